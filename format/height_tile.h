@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace cairn {
+
+/// The heights of one tile: N×N samples in quanta (metres = quanta · the pack's quantum), row-major, columns
+/// from west to east, rows from SOUTH to north. Neighbouring tiles share their edge samples.
+struct HeightTile {
+  int size = 0;  ///< N: 513 or 257
+  std::vector<std::int32_t>
+      samples;  ///< N·N; a void sample holds a smooth filler, so that codecs see no cliff
+  std::vector<std::uint8_t> voids;  ///< empty where no sample is void, else N·N of 0 or 1 (1 = void)
+
+  std::int32_t at(int column, int row) const {
+    return samples[static_cast<std::size_t>(row) * static_cast<std::size_t>(size) +
+                   static_cast<std::size_t>(column)];
+  }
+  bool is_void(int column, int row) const {
+    return !voids.empty() && voids[static_cast<std::size_t>(row) * static_cast<std::size_t>(size) +
+                                   static_cast<std::size_t>(column)] != 0;
+  }
+};
+
+}  // namespace cairn

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "format/pack_reader.h"
+
+namespace cairn {
+
+/// Heights at places, from a pack: bilinear between the samples of the finest tile that covers the place.
+/// Keeps a few decoded tiles, so that neighbouring places are cheap. Not thread-safe: one sampler a thread.
+class PackSampler {
+ public:
+  /// REQUIRES: the reader outlives the sampler.
+  explicit PackSampler(const PackReader& reader, std::size_t cached_tiles = 16);
+  ~PackSampler();
+  PackSampler(PackSampler&&) noexcept;
+
+  struct Height {
+    double metres = 0;
+    int level = 0;  ///< of the tile that gave it
+  };
+
+  /// nullopt where no tile covers the place or a sample that it needs is void. With `level`, only that level
+  /// is asked. Errors are those of reading the tile.
+  Result<std::optional<Height>> height_at(LonLat place, std::optional<int> level = std::nullopt);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cairn

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "format/pack_layout.h"
+#include "format/status.h"
+
+namespace cairn {
+
+/// Writes one pack beside its target, as `TARGET.part`, and renames it when it is whole: a reader never sees
+/// half a pack. One thread at a time.
+class PackWriter {
+ public:
+  /// Starts `TARGET.part` anew. Fails where the folder cannot be written.
+  static Result<PackWriter> create(const std::filesystem::path& target, const PackHeader& header);
+
+  /// Goes on with an existing `TARGET.part` of which the blocks of `entries` are known to be good, in the
+  /// order in which they were added: everything after the last of them is cut off.
+  static Result<PackWriter> reopen(const std::filesystem::path& target, const PackHeader& header,
+                                   std::span<const IndexEntry> entries);
+
+  PackWriter(PackWriter&&) noexcept;
+  PackWriter& operator=(PackWriter&&) noexcept;
+  ~PackWriter();  ///< closes; leaves `TARGET.part` as it is
+
+  /// Appends a block and its entry; offset, bytes and checksum of the entry are filled in here and returned.
+  /// An equal block that is already there is shared, not written again. An empty block means a constant tile.
+  Result<IndexEntry> add(IndexEntry entry, std::span<const std::byte> block);
+
+  /// Bytes of blocks so far, header included.
+  std::uint64_t position() const;
+
+  /// All entries so far, in the order of add().
+  const std::vector<IndexEntry>& entries() const;
+
+  /// Writes index, metadata and header, syncs, renames to the target. The writer is done after it.
+  Status finish(std::string_view metadata_json);
+
+  /// Removes `TARGET.part`. The writer is done after it.
+  void abandon();
+
+ private:
+  struct State;
+  explicit PackWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cairn

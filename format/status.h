@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cassert>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace cairn {
+
+/// Why an operation failed. The programs' exit codes are these: 1, 2, 3.
+enum class ErrorCode {
+  failed = 1,    ///< the machine or the promise: I/O, disk full, accuracy not kept
+  usage = 2,     ///< the caller's words: an option out of range, an output that exists
+  bad_data = 3,  ///< the input's bytes: truncated, damaged, or not what they claim to be
+};
+
+/// One line for a person: "FILE: PLACE: expected X, found Y".
+struct Error {
+  ErrorCode code = ErrorCode::failed;
+  std::string message;
+};
+
+/// A value, or the error that stood in its way. Reading the absent one is a programming error.
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : value_(std::move(value)) {}
+  Result(Error error) : error_(std::move(error)) {}
+
+  bool ok() const { return value_.has_value(); }
+  explicit operator bool() const { return ok(); }
+
+  T& value() & { return assert(ok()), *value_; }
+  const T& value() const& { return assert(ok()), *value_; }
+  T&& value() && { return assert(ok()), std::move(*value_); }
+  T& operator*() & { return value(); }
+  const T& operator*() const& { return value(); }
+  T* operator->() { return &value(); }
+  const T* operator->() const { return &value(); }
+
+  const Error& error() const { return assert(!ok()), error_; }
+
+ private:
+  std::optional<T> value_;
+  Error error_;
+};
+
+/// Success, or an error.
+template <>
+class [[nodiscard]] Result<void> {
+ public:
+  Result() = default;
+  Result(Error error) : error_(std::move(error)) {}
+
+  bool ok() const { return !error_.has_value(); }
+  explicit operator bool() const { return ok(); }
+  const Error& error() const { return assert(!ok()), *error_; }
+
+ private:
+  std::optional<Error> error_;
+};
+
+using Status = Result<void>;
+
+inline Error bad_data(std::string message) {
+  return {ErrorCode::bad_data, std::move(message)};
+}
+inline Error failed(std::string message) {
+  return {ErrorCode::failed, std::move(message)};
+}
+inline Error usage_error(std::string message) {
+  return {ErrorCode::usage, std::move(message)};
+}
+
+}  // namespace cairn
