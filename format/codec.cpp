@@ -2,6 +2,12 @@
 
 namespace cairn {
 
+extern const HeightCodec planes_codec;
+
+const HeightCodec& default_height_codec() {
+  return planes_codec;
+}
+
 const HeightCodec* find_height_codec(std::uint8_t id) {
   for (const HeightCodec* codec : height_codecs()) {
     if (codec->id == id) return codec;

@@ -29,6 +29,9 @@ struct HeightCodec {
 /// All codecs, in the order of their file names.
 std::span<const HeightCodec* const> height_codecs();
 
+/// The codec that a bake uses: the smallest and fastest of them on terrain.
+const HeightCodec& default_height_codec();
+
 /// The codec with this id, or null.
 const HeightCodec* find_height_codec(std::uint8_t id);
 
