@@ -50,6 +50,7 @@ enum class Layer : std::uint8_t {
   imagery = 1,  ///< TextureTile
   rqt = 2,      ///< enabled-vertex flags of the restricted quadtree triangulation, seed [3]
 };
+const char* to_string(Layer layer);
 
 enum EntryFlags : std::uint16_t {
   kConstant = 1,  ///< every sample is min_quanta (every texel is colour): the entry has no block
@@ -67,7 +68,7 @@ struct IndexEntry {
   std::uint32_t bytes = 0;  ///< of the block; 0 where there is none
   std::uint64_t checksum = 0;  ///< of the block; 0 where there is none
   std::int32_t min_quanta =
-      0;  ///< heights: over the samples that are not void. Imagery: a colour, as RGBA bytes
+      0;  ///< heights: over the samples that are not void, 0 if all are. Imagery: a colour, as RGBA bytes
   std::int32_t max_quanta = 0;  ///< heights: likewise. Imagery: peak signal-to-noise ratio in 1/1000 dB
   float geometric_error_m =
       0;                     ///< heights: largest deviation from the source posts, never below a descendant's

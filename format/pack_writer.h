@@ -13,14 +13,16 @@
 namespace cairn {
 
 /// Writes one pack beside its target, as `TARGET.part`, and renames it when it is whole: a reader never sees
-/// half a pack. One thread at a time.
+/// half a pack. The part is locked against other processes. One thread at a time. After an error of add(),
+/// flush() or finish() only abandon() or the destructor may follow.
 class PackWriter {
  public:
   /// Starts `TARGET.part` anew. Fails where the folder cannot be written.
   static Result<PackWriter> create(const std::filesystem::path& target, const PackHeader& header);
 
   /// Goes on with an existing `TARGET.part` of which the blocks of `entries` are known to be good, in the
-  /// order in which they were added: everything after the last of them is cut off.
+  /// order in which they were added: everything after the last of them is cut off. bad_data where the part
+  /// is shorter than they say; whether the blocks are whole (their checksums) is for the caller to know.
   static Result<PackWriter> reopen(const std::filesystem::path& target, const PackHeader& header,
                                    std::span<const IndexEntry> entries);
 
@@ -29,7 +31,8 @@ class PackWriter {
   ~PackWriter();  ///< closes; leaves `TARGET.part` as it is
 
   /// Appends a block and its entry; offset, bytes and checksum of the entry are filled in here and returned.
-  /// An equal block that is already there is shared, not written again. An empty block means a constant tile.
+  /// An equal block that is already there is shared, not written again. REQUIRES: the block is empty where
+  /// the entry has kConstant, and only there; each tile is added once.
   Result<IndexEntry> add(IndexEntry entry, std::span<const std::byte> block);
 
   /// Bytes of blocks so far, header included.
@@ -37,6 +40,9 @@ class PackWriter {
 
   /// All entries so far, in the order of add().
   const std::vector<IndexEntry>& entries() const;
+
+  /// Hands all blocks so far to the file: they outlive a killed process (but not a power cut).
+  Status flush();
 
   /// Writes index, metadata and header, syncs, renames to the target. The writer is done after it.
   Status finish(std::string_view metadata_json);

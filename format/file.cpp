@@ -1,0 +1,155 @@
+#include "format/file.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace cairn {
+namespace {
+
+constexpr std::size_t kLargestTransfer = std::size_t{1} << 30;  // Linux moves less than 2 GiB a call
+
+Error os_error(const std::filesystem::path& path, const std::string& doing) {
+  return failed(path.string() + ": " + doing + ": " + std::strerror(errno));
+}
+
+Result<int> open_descriptor(const std::filesystem::path& path, int flags, const char* doing) {
+  for (;;) {
+    const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+    if (descriptor >= 0) return descriptor;
+    if (errno != EINTR) return os_error(path, doing);
+  }
+}
+
+Status sync_folder(const std::filesystem::path& folder) {
+  const Result<int> descriptor = open_descriptor(folder, O_RDONLY | O_DIRECTORY, "open folder");
+  if (!descriptor) return descriptor.error();
+  const int result = ::fsync(*descriptor);
+  // Some network and FUSE file systems cannot sync a folder; the rename itself has been done.
+  const bool failure = result != 0 && errno != EINVAL && errno != ENOTSUP;
+  const Status status = failure ? Status(os_error(folder, "sync folder")) : Status();
+  ::close(*descriptor);
+  return status;
+}
+
+}  // namespace
+
+Result<File> File::open_to_read(const std::filesystem::path& path) {
+  const Result<int> descriptor = open_descriptor(path, O_RDONLY | O_NONBLOCK, "open");  // a FIFO would block
+  if (!descriptor) return descriptor.error();
+  File file(*descriptor, path);
+  struct stat info {};
+  if (::fstat(*descriptor, &info) != 0) return os_error(path, "stat");
+  if (!S_ISREG(info.st_mode)) return bad_data(path.string() + ": expected a regular file");
+  return file;
+}
+
+Result<File> File::open_to_write(const std::filesystem::path& path) {
+  const Result<int> descriptor = open_descriptor(path, O_RDWR | O_CREAT, "create");
+  if (!descriptor) return descriptor.error();
+  File file(*descriptor, path);
+  if (::flock(*descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    return failed(path.string() + ": another process is writing it");
+  }
+  return file;
+}
+
+File::File(File&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)), path_(std::move(other.path_)) {}
+
+File& File::operator=(File&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(path_, other.path_);
+  return *this;
+}
+
+File::~File() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Result<std::uint64_t> File::size() const {
+  struct stat info {};
+  if (::fstat(descriptor_, &info) != 0) return os_error(path_, "stat");
+  return static_cast<std::uint64_t>(info.st_size);
+}
+
+Status File::read(std::uint64_t offset, std::span<std::byte> bytes) const {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const std::size_t wanted = std::min(bytes.size() - done, kLargestTransfer);
+    const ssize_t got = ::pread(descriptor_, bytes.data() + done, wanted, static_cast<off_t>(offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return os_error(path_, "read at " + std::to_string(offset + done));
+    if (got == 0) {
+      return bad_data(path_.string() + ": byte " + std::to_string(offset) + ": expected " +
+                      std::to_string(bytes.size()) + " bytes, found " + std::to_string(done));
+    }
+    done += static_cast<std::size_t>(got);
+  }
+  return {};
+}
+
+Status File::write(std::uint64_t offset, std::span<const std::byte> bytes) {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const std::size_t wanted = std::min(bytes.size() - done, kLargestTransfer);
+    const ssize_t put = ::pwrite(descriptor_, bytes.data() + done, wanted, static_cast<off_t>(offset + done));
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) return os_error(path_, "write at " + std::to_string(offset + done));
+    done += static_cast<std::size_t>(put);
+  }
+  return {};
+}
+
+Status File::truncate(std::uint64_t size) {
+  if (::ftruncate(descriptor_, static_cast<off_t>(size)) != 0) return os_error(path_, "truncate");
+  return {};
+}
+
+Status File::sync() {
+  if (::fsync(descriptor_) != 0) return os_error(path_, "sync");
+  return {};
+}
+
+Status rename_durably(const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (::rename(from.c_str(), to.c_str()) != 0) return os_error(from, "rename to " + to.string());
+  const std::filesystem::path folder = to.parent_path();
+  return sync_folder(folder.empty() ? std::filesystem::path(".") : folder);
+}
+
+Result<FileMapping> FileMapping::map(const File& file, std::uint64_t offset, std::uint64_t bytes) {
+  if (bytes == 0) return FileMapping(nullptr, 0, {});
+  const std::uint64_t page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  const std::uint64_t before = offset % page;
+  const std::size_t length = before + bytes;
+  void* base =
+      ::mmap(nullptr, length, PROT_READ, MAP_SHARED, file.descriptor(), static_cast<off_t>(offset - before));
+  if (base == MAP_FAILED) return os_error(file.path(), "map " + std::to_string(bytes) + " bytes");
+  return FileMapping(base, length, {static_cast<const std::byte*>(base) + before, bytes});
+}
+
+FileMapping::FileMapping(FileMapping&& other) noexcept
+    : base_(std::exchange(other.base_, nullptr)),
+      length_(other.length_),
+      bytes_(std::exchange(other.bytes_, {})) {}
+
+FileMapping& FileMapping::operator=(FileMapping&& other) noexcept {
+  std::swap(base_, other.base_);
+  std::swap(length_, other.length_);
+  std::swap(bytes_, other.bytes_);
+  return *this;
+}
+
+FileMapping::~FileMapping() {
+  if (base_ != nullptr) ::munmap(base_, length_);
+}
+
+}  // namespace cairn

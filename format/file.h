@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "format/status.h"
+
+namespace cairn {
+
+/// An open file: positioned, exact reads and writes, and errors in one line that names the file. Reads may
+/// run in any number of threads at once; everything else belongs to one thread at a time.
+class File {
+ public:
+  /// Opens an existing file for reading.
+  static Result<File> open_to_read(const std::filesystem::path& path);
+
+  /// Opens a file for reading and writing, made if it is not there, and locks it against every other
+  /// process that would open it so. What it holds stays until truncate(). `failed` where another process
+  /// has it.
+  static Result<File> open_to_write(const std::filesystem::path& path);
+
+  File(File&& other) noexcept;
+  File& operator=(File&& other) noexcept;
+  ~File();
+
+  const std::filesystem::path& path() const { return path_; }
+  Result<std::uint64_t> size() const;
+
+  /// Fills `bytes` from `offset` on; bad_data where the file ends before.
+  Status read(std::uint64_t offset, std::span<std::byte> bytes) const;
+
+  Status write(std::uint64_t offset, std::span<const std::byte> bytes);
+  Status truncate(std::uint64_t size);
+
+  /// Returns when everything written is on the disk.
+  Status sync();
+
+  /// The descriptor, for mmap; it stays the file's.
+  int descriptor() const { return descriptor_; }
+
+ private:
+  File(int descriptor, std::filesystem::path path) : descriptor_(descriptor), path_(std::move(path)) {}
+
+  int descriptor_ = -1;
+  std::filesystem::path path_;
+};
+
+/// Gives `from` the name `to`, replacing what was there, and returns when the folder's entry is on the disk.
+Status rename_durably(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// Part of an open file, mapped read-only into memory. Must not outlive changes to the file: a file that is
+/// cut short under a mapping raises SIGBUS.
+class FileMapping {
+ public:
+  /// REQUIRES: offset + bytes <= the file's size. The file may be closed afterwards.
+  static Result<FileMapping> map(const File& file, std::uint64_t offset, std::uint64_t bytes);
+
+  FileMapping(FileMapping&& other) noexcept;
+  FileMapping& operator=(FileMapping&& other) noexcept;
+  ~FileMapping();
+
+  std::span<const std::byte> bytes() const { return bytes_; }
+
+ private:
+  FileMapping(void* base, std::size_t length, std::span<const std::byte> bytes)
+      : base_(base), length_(length), bytes_(bytes) {}
+
+  void* base_ = nullptr;  // page-aligned, so it may lie before bytes_
+  std::size_t length_ = 0;
+  std::span<const std::byte> bytes_;
+};
+
+}  // namespace cairn

@@ -1,0 +1,203 @@
+#include "format/pack_reader.h"
+
+#include <atomic>
+#include <random>
+#include <thread>
+
+#include <catch2/catch.hpp>
+
+#include "format/pack_writer.h"
+#include "tests/format/test_pack.h"
+#include "tests/test_data.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+const test::TestSurface kHills{257, 2, test::hills, {}};
+
+/// Two tiles with blocks, one of them shared by a third, and a constant one.
+fs::path small_pack(const test::TempDir& dir) {
+  const fs::path path = dir.path() / "small.cairn";
+  Result<PackWriter> writer = PackWriter::create(path, test::test_header());
+  REQUIRE(writer.ok());
+  const std::vector<std::byte> a(70, std::byte{1}), b(90, std::byte{2});
+  IndexEntry constant;
+  constant.flags = kConstant;
+  constant.id = {1, 5, 5};
+  constant.min_quanta = constant.max_quanta = -7;
+  REQUIRE(writer->add(constant, {}).ok());
+  for (const auto& [id, block] :
+       {std::pair(TileId{1, 3, 2}, a), {TileId{0, 1, 1}, b}, {TileId{1, 2, 2}, a}}) {
+    IndexEntry entry;
+    entry.id = id;
+    REQUIRE(writer->add(entry, block).ok());
+  }
+  REQUIRE(writer->finish(test::kTestMetadata).ok());
+  return path;
+}
+
+}  // namespace
+
+TEST_CASE("a pack gives back every tile and its metadata") {
+  const test::TempDir dir;
+  const auto tiles = test::with_ancestors({{2, 8, 4}, {2, 9, 4}, {2, 11, 7}}, -1);
+  test::write_test_pack(dir.path() / "a.cairn", kHills, tiles);
+  const auto reader = PackReader::open(dir.path() / "a.cairn");
+  REQUIRE(reader.ok());
+  CHECK(reader->metadata_json() == test::kTestMetadata);
+  CHECK(reader->header().vertical_datum == VerticalDatum::egm96);
+  REQUIRE(reader->entry_count() == tiles.size());
+  for (const TileId& id : tiles) {
+    const auto entry = reader->find(Layer::heights, id);
+    REQUIRE(entry);
+    CHECK(entry->id == id);
+    const auto tile = reader->read_height_tile(*entry);
+    REQUIRE(tile.ok());
+    CHECK(tile->samples == kHills.tile(id).samples);
+  }
+  REQUIRE(reader->levels(Layer::heights));
+  CHECK(reader->levels(Layer::heights)->coarsest == -1);
+  CHECK(reader->levels(Layer::heights)->finest == 2);
+  CHECK_FALSE(reader->levels(Layer::imagery));
+}
+
+TEST_CASE("a tile that the pack lacks is not found, and its nearest ancestor is") {
+  const test::TempDir dir;
+  test::write_test_pack(dir.path() / "a.cairn", kHills, {{0, 1, 1}, {1, 2, 2}});
+  const auto reader = PackReader::open(dir.path() / "a.cairn");
+  REQUIRE(reader.ok());
+  CHECK_FALSE(reader->find(Layer::heights, {1, 3, 2}));
+  CHECK_FALSE(reader->find(Layer::heights, {2, 4, 4}));
+  CHECK_FALSE(reader->find(Layer::imagery, {1, 2, 2}));
+  CHECK(reader->find_nearest(Layer::heights, {1, 3, 2})->id == TileId{0, 1, 1});
+  CHECK(reader->find_nearest(Layer::heights, {7, 128 + 3, 128})->id == TileId{1, 2, 2});
+  CHECK_FALSE(reader->find_nearest(Layer::heights, {7, 0, 0}));
+  CHECK_FALSE(reader->find_nearest(Layer::heights, {-2, 0, 0}));
+}
+
+TEST_CASE("find agrees with a scan of the index over random tiles") {
+  const test::TempDir dir;
+  std::mt19937 random(3);
+  const fs::path path = dir.path() / "a.cairn";
+  Result<PackWriter> writer = PackWriter::create(path, test::test_header());
+  REQUIRE(writer.ok());
+  std::vector<TileId> ids;
+  for (int i = 0; i < 400; ++i) {
+    IndexEntry entry;
+    entry.flags = kConstant;
+    entry.id = {static_cast<int>(random() % 3), static_cast<std::int32_t>(random() % 30),
+                static_cast<std::int32_t>(random() % 30)};
+    if (std::find(ids.begin(), ids.end(), entry.id) != ids.end()) continue;
+    ids.push_back(entry.id);
+    REQUIRE(writer->add(entry, {}).ok());
+  }
+  REQUIRE(writer->finish("{}").ok());
+  const auto reader = PackReader::open(path);
+  REQUIRE(reader.ok());
+  for (int level = 0; level < 3; ++level) {
+    for (std::int32_t x = 0; x < 30; ++x) {
+      for (std::int32_t y = 0; y < 30; ++y) {
+        const bool there = std::find(ids.begin(), ids.end(), TileId{level, x, y}) != ids.end();
+        REQUIRE(reader->find(Layer::heights, {level, x, y}).has_value() == there);
+      }
+    }
+  }
+}
+
+TEST_CASE("an empty pack opens and has nothing") {
+  const test::TempDir dir;
+  const fs::path path = dir.path() / "a.cairn";
+  Result<PackWriter> writer = PackWriter::create(path, test::test_header());
+  REQUIRE(writer.ok());
+  REQUIRE(writer->finish("").ok());
+  const auto reader = PackReader::open(path);
+  REQUIRE(reader.ok());
+  CHECK(reader->entry_count() == 0);
+  CHECK(reader->metadata_json().empty());
+  CHECK_FALSE(reader->find_nearest(Layer::heights, {0, 0, 0}));
+}
+
+TEST_CASE("every prefix of a small pack, and a byte too many, is refused") {
+  const test::TempDir dir;
+  const fs::path path = small_pack(dir);
+  auto bytes = test::read_bytes(path);
+  REQUIRE(PackReader::open(path).ok());
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    test::write_bytes(path, {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)});
+    const auto reader = PackReader::open(path);
+    REQUIRE_FALSE(reader.ok());
+    REQUIRE(reader.error().code == ErrorCode::bad_data);
+    REQUIRE_THAT(reader.error().message, Catch::StartsWith(path.string() + ": "));
+  }
+  bytes.push_back(std::byte{0});
+  test::write_bytes(path, bytes);
+  CHECK_THAT(PackReader::open(path).error().message, Catch::Contains("file size"));
+}
+
+TEST_CASE("a pack cut at every 4 KiB is refused") {
+  const test::TempDir dir;
+  const fs::path path = dir.path() / "a.cairn";
+  test::write_test_pack(path, kHills, test::with_ancestors({{2, 8, 4}}, 0));
+  for (std::uint64_t length = (fs::file_size(path) - 1) / 4096 * 4096; length > 0; length -= 4096) {
+    fs::resize_file(path, length);
+    REQUIRE_FALSE(PackReader::open(path).ok());
+  }
+}
+
+TEST_CASE("what is no pack, or not there, is refused in one line") {
+  const test::TempDir dir;
+  const auto missing = PackReader::open(dir.path() / "none.cairn");
+  CHECK_THAT(missing.error().message, Catch::Contains("none.cairn: open: No such file"));
+  CHECK(PackReader::open(dir.path()).error().code == ErrorCode::bad_data);
+  test::write_bytes(dir.path() / "text", std::vector<std::byte>(4096, std::byte{'x'}));
+  CHECK_THAT(PackReader::open(dir.path() / "text").error().message, Catch::Contains("magic"));
+}
+
+TEST_CASE("a damaged block is told by its checksum, with the tile named") {
+  const test::TempDir dir;
+  const fs::path path = small_pack(dir);
+  auto bytes = test::read_bytes(path);
+  bytes[kPackHeaderBytes] ^= std::byte{4};
+  test::write_bytes(path, bytes);
+  const auto reader = PackReader::open(path);
+  REQUIRE(reader.ok());
+  const auto block = reader->read_block(*reader->find(Layer::heights, {1, 3, 2}));
+  REQUIRE_FALSE(block.ok());
+  CHECK_THAT(block.error().message, Catch::Contains("heights tile 1/3/2: block: checksum"));
+  CHECK(reader->read_block(*reader->find(Layer::heights, {0, 1, 1})).ok());
+}
+
+TEST_CASE("a constant tile is expanded without a read") {
+  const test::TempDir dir;
+  const auto reader = PackReader::open(small_pack(dir));
+  REQUIRE(reader.ok());
+  const auto tile = reader->read_height_tile(*reader->find(Layer::heights, {1, 5, 5}));
+  REQUIRE(tile.ok());
+  CHECK(tile->samples == std::vector<std::int32_t>(257 * 257, -7));
+  CHECK(tile->voids.empty());
+}
+
+TEST_CASE("threads that share a reader get the same tiles") {
+  const test::TempDir dir;
+  const auto tiles = test::with_ancestors({{2, 8, 4}, {2, 9, 5}, {2, 10, 6}}, 0);
+  test::write_test_pack(dir.path() / "a.cairn", kHills, tiles);
+  const auto reader = PackReader::open(dir.path() / "a.cairn");
+  REQUIRE(reader.ok());
+  std::atomic<int> wrong = 0;
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < 4; ++t) {
+    threads.emplace_back([&, t] {
+      for (std::size_t i = 0; i < tiles.size() * 3; ++i) {
+        const TileId id = tiles[(i * 5 + t) % tiles.size()];
+        const auto tile = reader->read_height_tile(*reader->find(Layer::heights, id));
+        if (!tile || tile->samples != kHills.tile(id).samples) ++wrong;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(wrong == 0);
+}
+
+}  // namespace cairn
