@@ -156,7 +156,7 @@ IndexEntry PackReader::entry(std::size_t index) const {
   return *entry;
 }
 
-std::optional<IndexEntry> PackReader::find(Layer layer, const TileId& id) const {
+std::optional<std::size_t> PackReader::find_index(Layer layer, const TileId& id) const {
   const EntryKey wanted{layer, id};
   std::size_t first = 0;
   std::size_t last = entry_count();
@@ -168,10 +168,14 @@ std::optional<IndexEntry> PackReader::find(Layer layer, const TileId& id) const 
       last = middle;
     }
   }
-  if (first == entry_count()) return std::nullopt;
-  const IndexEntry found = entry(first);
-  if (found.layer != layer || found.id != id) return std::nullopt;
-  return found;
+  if (first == entry_count() || key_before(wanted, key_at(state_->entry_bytes(first)))) return std::nullopt;
+  return first;
+}
+
+std::optional<IndexEntry> PackReader::find(Layer layer, const TileId& id) const {
+  const std::optional<std::size_t> index = find_index(layer, id);
+  if (!index) return std::nullopt;
+  return entry(*index);
 }
 
 std::optional<IndexEntry> PackReader::find_nearest(Layer layer, const TileId& id) const {

@@ -35,6 +35,9 @@ class PackReader {
   /// O(log n), no allocation.
   std::optional<IndexEntry> find(Layer layer, const TileId& id) const;
 
+  /// The same, but where in the index it is.
+  std::optional<std::size_t> find_index(Layer layer, const TileId& id) const;
+
   /// The tile itself or its nearest ancestor in the layer.
   std::optional<IndexEntry> find_nearest(Layer layer, const TileId& id) const;
 

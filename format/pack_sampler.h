@@ -1,14 +1,19 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 
+#include "format/geo.h"
 #include "format/pack_reader.h"
+#include "format/status.h"
 
 namespace cairn {
 
-/// Heights at places, from a pack: bilinear between the samples of the finest tile that covers the place.
-/// Keeps a few decoded tiles, so that neighbouring places are cheap. Not thread-safe: one sampler a thread.
+/// Heights at places, from a pack: bilinear between the samples of the finest tile that covers the place,
+/// edges included, so that a place on the outer border of what was baked has a height. Longitudes may have
+/// any number of turns. Keeps a few decoded tiles, so that neighbouring places are cheap. Not thread-safe:
+/// one sampler a thread.
 class PackSampler {
  public:
   /// REQUIRES: the reader outlives the sampler.
@@ -21,8 +26,8 @@ class PackSampler {
     int level = 0;  ///< of the tile that gave it
   };
 
-  /// nullopt where no tile covers the place or a sample that it needs is void. With `level`, only that level
-  /// is asked. Errors are those of reading the tile.
+  /// nullopt where no tile covers the place or a sample that it needs is void, and where the latitude is no
+  /// place on Earth. With `level`, only that level is asked. Errors are those of reading the tile.
   Result<std::optional<Height>> height_at(LonLat place, std::optional<int> level = std::nullopt);
 
  private:

@@ -1,0 +1,91 @@
+#include "format/pack_verify.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "format/pack_reader.h"
+#include "format/pack_rules.h"
+
+namespace cairn {
+namespace {
+
+/// What the threads share: read-only but for the atomics and each thread's own slots.
+struct Verification {
+  const PackReader& pack;
+  std::size_t most_findings;
+  std::vector<std::optional<TileDigest>> digests;  // by index; of the height tiles that decode
+  std::atomic<std::size_t> next = 0;
+  std::atomic<std::size_t> found = 0;
+
+  bool enough() const { return found.load(std::memory_order_relaxed) >= most_findings; }
+};
+
+using IndexedFindings = std::vector<std::pair<std::size_t, Finding>>;
+using Rule = void (*)(Verification&, std::size_t index, std::vector<Finding>&);
+
+void check_tile(Verification& v, std::size_t index, std::vector<Finding>& findings) {
+  v.digests[index] = check_content(v.pack, v.pack.entry(index), findings);
+}
+
+void check_relations(Verification& v, std::size_t index, std::vector<Finding>& findings) {
+  check_parent(v.pack, index, v.digests, findings);
+  check_neighbours(v.pack, index, v.digests, findings);
+}
+
+void work(Verification& v, Rule rule, IndexedFindings& found) {
+  std::vector<Finding> findings;
+  for (;;) {
+    const std::size_t index = v.next.fetch_add(1);
+    if (index >= v.pack.entry_count() || v.enough()) return;
+    rule(v, index, findings);
+    v.found += findings.size();
+    for (Finding& finding : findings) found.emplace_back(index, std::move(finding));
+    findings.clear();
+  }
+}
+
+/// Applies the rule to every entry, on several threads, and adds what it finds in the index's order.
+void check_entries(Verification& v, Rule rule, int threads, std::vector<Finding>& findings) {
+  v.next = 0;
+  std::vector<IndexedFindings> found(static_cast<std::size_t>(threads));
+  std::vector<std::thread> others;
+  for (std::size_t t = 1; t < found.size(); ++t) {
+    others.emplace_back([&v, rule, &mine = found[t]] { work(v, rule, mine); });
+  }
+  work(v, rule, found[0]);
+  for (std::thread& other : others) other.join();
+  IndexedFindings all;
+  for (IndexedFindings& part : found) std::move(part.begin(), part.end(), std::back_inserter(all));
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (auto& [index, finding] : all) findings.push_back(std::move(finding));
+}
+
+}  // namespace
+
+Result<VerifyReport> verify_pack(const std::filesystem::path& path, const VerifyOptions& options) {
+  assert(options.threads >= 1 && options.most_findings >= 1);
+  VerifyReport report;
+  const Result<PackReader> pack = PackReader::open(path);
+  if (!pack && pack.error().code != ErrorCode::bad_data) return pack.error();
+  if (!pack) {
+    const std::string prefix = path.string() + ": ";
+    const std::string& message = pack.error().message;
+    report.findings.push_back(
+        {"file", message.starts_with(prefix) ? message.substr(prefix.size()) : message});
+    return report;
+  }
+  check_metadata(*pack, report.findings);
+  check_coverage(*pack, report.findings);
+  Verification v{*pack, options.most_findings, {}, 0, report.findings.size()};
+  v.digests.resize(pack->entry_count());
+  check_entries(v, check_tile, options.threads, report.findings);
+  check_entries(v, check_relations, options.threads, report.findings);
+  if (report.findings.size() > options.most_findings) report.findings.resize(options.most_findings);
+  return report;
+}
+
+}  // namespace cairn

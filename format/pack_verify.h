@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "format/status.h"
+
+namespace cairn {
+
+/// One thing that is wrong with a pack.
+struct Finding {
+  std::string where;  ///< "header", "index", "metadata", "blocks", or a tile as "heights 2/833/507"
+  std::string what;   ///< expected X, found Y
+};
+
+struct VerifyReport {
+  std::vector<Finding> findings;
+  bool ok() const { return findings.empty(); }
+};
+
+struct VerifyOptions {
+  int threads = 1;                   ///< 1 or more
+  std::size_t most_findings = 1000;  ///< the search ends when so many are found
+};
+
+/// Checks every rule of docs/pack-format.md that the file alone can show: checksums; that header, blocks,
+/// index and metadata cover each byte once, so that no byte can change unnoticed; that each tile decodes and
+/// its entry tells the truth; that parents are there, equal their children's every second sample and have no
+/// smaller error; that neighbours, also across the antimeridian, share their edge samples bit for bit; that
+/// what overhangs the world is void. Blocks of Layer::rqt are checked by their checksum only.
+///
+/// Each tile is decoded once; 112 bytes a tile are kept. Damage is a finding; an error is what kept the file
+/// from being read. The findings come in the index's order, whatever the number of threads, unless
+/// most_findings cuts them off.
+Result<VerifyReport> verify_pack(const std::filesystem::path& path, const VerifyOptions& options = {});
+
+}  // namespace cairn

@@ -1,0 +1,362 @@
+// A test for every finding that verify_pack can report: each breaks one rule and looks for its words.
+
+#include "format/pack_verify.h"
+
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+
+#include "format/checksum.h"
+#include "format/height_block.h"
+#include "format/pack_reader.h"
+#include "format/pack_writer.h"
+#include "format/texture_tile.h"
+#include "tests/format/test_pack.h"
+#include "tests/test_data.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+const test::TestSurface kHills{257, 2, test::hills, {}};
+const test::TestSurface kHoles{257, 2, test::hills, [](auto c, auto r) { return (c * c + r * r) % 97 < 30; }};
+
+using Edit = std::function<void(IndexEntry&, HeightTile&)>;
+
+VerifyReport verify(const fs::path& path, int threads = 1) {
+  const auto report = verify_pack(path, {threads, 1000});
+  REQUIRE(report.ok());
+  for (const Finding& finding : report->findings) UNSCOPED_INFO(finding.where << ": " << finding.what);
+  return *report;
+}
+
+bool finds(const VerifyReport& report, const std::string& where, const std::string& what) {
+  return std::any_of(report.findings.begin(), report.findings.end(), [&](const Finding& finding) {
+    return finding.where == where && finding.what.find(what) != std::string::npos;
+  });
+}
+
+/// The findings of a pack whose tile `id` was edited, its entry or its samples.
+VerifyReport verify_edited(const std::vector<TileId>& tiles, const TileId& id, const Edit& edit,
+                           const test::TestSurface& surface = kHills) {
+  const test::TempDir dir;
+  test::write_test_pack(dir.path() / "a.cairn", surface, tiles, [&](IndexEntry& entry, HeightTile& tile) {
+    if (entry.id == id) edit(entry, tile);
+  });
+  return verify(dir.path() / "a.cairn");
+}
+
+void set(HeightTile& tile, int column, int row, std::int32_t value) {
+  tile.samples[static_cast<std::size_t>(row) * static_cast<std::size_t>(tile.size) +
+               static_cast<std::size_t>(column)] = value;
+}
+
+void set_void(HeightTile& tile, int column, int row) {
+  if (tile.voids.empty()) tile.voids.resize(tile.samples.size());
+  tile.voids[static_cast<std::size_t>(row) * static_cast<std::size_t>(tile.size) +
+             static_cast<std::size_t>(column)] = 1;
+}
+
+/// Writes a pack of raw blocks, none of them checked.
+fs::path raw_pack(const test::TempDir& dir,
+                  const std::vector<std::pair<IndexEntry, std::vector<std::byte>>>& tiles,
+                  std::string_view metadata = test::kTestMetadata) {
+  Result<PackWriter> writer = PackWriter::create(dir.path() / "raw.cairn", test::test_header());
+  REQUIRE(writer.ok());
+  for (const auto& [entry, block] : tiles) REQUIRE(writer->add(entry, block).ok());
+  REQUIRE(writer->finish(metadata).ok());
+  return dir.path() / "raw.cairn";
+}
+
+/// Rewrites the index of a pack and the header's checksum over it.
+void edit_index(const fs::path& path, const std::function<void(std::vector<IndexEntry>&)>& edit) {
+  auto bytes = test::read_bytes(path);
+  PackHeader header = *decode_header(std::span(bytes).first(kPackHeaderBytes));
+  std::vector<IndexEntry> entries;
+  const auto index = std::span(bytes).subspan(header.index_offset, header.index_count * kIndexEntryBytes);
+  for (std::size_t i = 0; i < header.index_count; ++i) {
+    entries.push_back(*decode_entry(index.subspan(i * kIndexEntryBytes, kIndexEntryBytes)));
+  }
+  edit(entries);
+  std::vector<std::byte> edited;
+  for (const IndexEntry& entry : entries) append_entry(entry, edited);
+  REQUIRE(edited.size() == index.size());
+  std::copy(edited.begin(), edited.end(), index.begin());
+  header.index_checksum = checksum(index);
+  const auto encoded = encode_header(header);
+  std::copy(encoded.begin(), encoded.end(), bytes.begin());
+  test::write_bytes(path, bytes);
+}
+
+const std::vector<TileId> kFour = test::with_ancestors({{2, 8, 4}, {2, 9, 4}, {2, 8, 5}, {2, 9, 5}}, 0);
+
+}  // namespace
+
+TEST_CASE("a good pack has no findings: heights with and without voids, with 1 to 4 threads") {
+  const test::TempDir dir;
+  for (const auto& surface : {kHills, kHoles}) {
+    test::write_test_pack(dir.path() / "a.cairn", surface, test::with_ancestors(kFour, -3));
+    for (int threads = 1; threads <= 4; ++threads) CHECK(verify(dir.path() / "a.cairn", threads).ok());
+  }
+}
+
+TEST_CASE("a good pack that goes around the Earth has no findings at any level") {
+  const test::TempDir dir;
+  const test::TestSurface surface{257, 0, test::hills, {}};
+  for (int level = -9; level <= 0; ++level) {
+    const std::int32_t last = tiles_around(level) - 1, top = tiles_pole_to_pole(level) - 1;
+    std::vector<TileId> ids{{level, 0, 0}, {level, last, 0}, {level, 0, top}, {level, last, top}};
+    ids = test::with_ancestors(ids, -9);
+    test::write_test_pack(dir.path() / "a.cairn", surface, ids);
+    INFO("level " << level);
+    CHECK(verify(dir.path() / "a.cairn", 2).ok());
+  }
+}
+
+TEST_CASE("a pack that is not there is an error, not a finding") {
+  const auto report = verify_pack("/nowhere/a.cairn");
+  REQUIRE_FALSE(report.ok());
+  CHECK(report.error().code == ErrorCode::failed);
+}
+
+TEST_CASE("verify finds a file that is no pack, or cut") {
+  const test::TempDir dir;
+  test::write_test_pack(dir.path() / "a.cairn", kHills, {{2, 8, 4}});
+  fs::resize_file(dir.path() / "a.cairn", 5000);
+  CHECK(finds(verify(dir.path() / "a.cairn"), "file", "file size: expected"));
+  fs::resize_file(dir.path() / "a.cairn", 50);
+  CHECK(finds(verify(dir.path() / "a.cairn"), "file", "header: expected 96 bytes, found 50"));
+}
+
+TEST_CASE("verify finds a damaged header, index and metadata") {
+  const test::TempDir dir;
+  const fs::path path = dir.path() / "a.cairn";
+  test::write_test_pack(path, kHills, {{2, 8, 4}});
+  const auto good = test::read_bytes(path);
+  const PackHeader header = *decode_header(std::span(good).first(kPackHeaderBytes));
+  const std::pair<std::uint64_t, const char*> places[] = {{20, "header: checksum"},
+                                                          {header.index_offset + 9, "index: checksum"},
+                                                          {header.metadata_offset + 3, "metadata: checksum"}};
+  for (const auto& [at, words] : places) {
+    auto bytes = good;
+    bytes[at] ^= std::byte{1};
+    test::write_bytes(path, bytes);
+    CHECK(finds(verify(path), "file", words));
+  }
+}
+
+TEST_CASE("verify finds index entries that are out of order, out of range or point outside") {
+  const test::TempDir dir;
+  const fs::path path = dir.path() / "a.cairn";
+  const auto found = [&](const std::function<void(std::vector<IndexEntry>&)>& edit, const char* words) {
+    test::write_test_pack(path, kHills, {{2, 8, 4}, {2, 9, 4}});
+    edit_index(path, edit);
+    return finds(verify(path), "file", words);
+  };
+  CHECK(found([](auto& e) { std::swap(e[0], e[1]); },
+              "index entry 1: expected a tile after 2/9/4, found 2/8/4"));
+  CHECK(found([](auto& e) { e[1].id = e[0].id; }, "index entry 1: expected a tile after"));
+  CHECK(found([](auto& e) { e[1].id.x = 5000; }, "index entry 1: tile: expected one of the grid"));
+  CHECK(found([](auto& e) { e[1].offset += 1; }, "index entry 1: expected a block before byte"));
+  CHECK(found([](auto& e) { e[0].offset = UINT64_MAX; }, "index entry 0: expected a block before byte"));
+}
+
+TEST_CASE("verify finds metadata that is empty or no UTF-8") {
+  const test::TempDir dir;
+  CHECK(finds(verify(raw_pack(dir, {}, "")), "metadata", "expected JSON, found nothing"));
+  CHECK(verify(raw_pack(dir, {}, "\"\xC3\xA9 \xE2\x9B\xB0 \xF0\x9F\x8F\x94\"")).ok());
+  for (const char* text :
+       {"ab\x80", "ab\xC3", "ab\xC0\x80", "ab\xED\xA0\x80", "ab\xF4\x90\x80\x80", "ab\xE2\x9Bx"}) {
+    CHECK(finds(verify(raw_pack(dir, {}, text)), "metadata", "found another byte at 2"));
+  }
+}
+
+TEST_CASE("verify finds bytes in no block, and blocks that overlap") {
+  const test::TempDir dir;
+  const fs::path path = dir.path() / "a.cairn";
+  const std::vector<TileId> two{{2, 8, 4}, {2, 9, 4}};
+  test::write_test_pack(path, kHills, two);
+  edit_index(path, [](auto& e) { e[0].bytes -= 1; });
+  CHECK(finds(verify(path), "blocks", "expected each byte in one block, found bytes in none"));
+  test::write_test_pack(path, kHills, two);
+  edit_index(path, [](auto& e) { e[0].bytes += 1; });
+  CHECK(finds(verify(path), "blocks", "found blocks that overlap"));
+  test::write_test_pack(path, kHills, two);
+  edit_index(path, [](auto& e) { e[1] = {Layer::heights, kConstant, e[1].id, 0, 0, 0, 5, 5, 1.0f, 0}; });
+  CHECK(finds(verify(path), "blocks", "found bytes in none"));
+}
+
+TEST_CASE("verify finds a block with another checksum, and one that does not decode") {
+  const test::TempDir dir;
+  const fs::path path = dir.path() / "a.cairn";
+  test::write_test_pack(path, kHills, {{2, 8, 4}});
+  auto bytes = test::read_bytes(path);
+  bytes[kPackHeaderBytes + 10] ^= std::byte{64};
+  test::write_bytes(path, bytes);
+  CHECK(finds(verify(path), "heights 2/8/4", "block: checksum"));
+  IndexEntry entry;
+  entry.id = {2, 8, 4};
+  CHECK(finds(verify(raw_pack(dir, {{entry, {std::byte{251}, {}, {}, {}}}})), "heights 2/8/4", "no codec"));
+}
+
+TEST_CASE("verify finds imagery that does not decode, and leaves good imagery alone") {
+  const test::TempDir dir;
+  IndexEntry entry;
+  entry.layer = Layer::imagery;
+  entry.id = {2, 8, 4};
+  TextureTile tile{TextureFormat::bc1, 256, {}};
+  tile.texels.resize(texture_chain_bytes(tile.format, tile.size));
+  const auto block = encode_texture_block(tile);
+  CHECK(verify(raw_pack(dir, {{entry, block}})).ok());
+  CHECK(finds(verify(raw_pack(dir, {{entry, {std::byte{2}, {}, {}, {}}}})), "imagery 2/8/4", "format"));
+}
+
+TEST_CASE("verify checks a layer of other blocks by its checksums") {
+  const test::TempDir dir;
+  IndexEntry entry;
+  entry.layer = Layer::rqt;
+  entry.id = {2, 8, 4};
+  const fs::path path = raw_pack(dir, {{entry, std::vector<std::byte>(20, std::byte{7})}});
+  CHECK(verify(path).ok());
+  auto bytes = test::read_bytes(path);
+  bytes[kPackHeaderBytes] ^= std::byte{1};
+  test::write_bytes(path, bytes);
+  CHECK(finds(verify(path), "rqt 2/8/4", "block: checksum"));
+}
+
+TEST_CASE("verify finds a minimum, maximum or void flag that the samples do not have") {
+  const TileId id{2, 8, 4};
+  CHECK(finds(verify_edited({id}, id, [](auto& e, auto&) { e.min_quanta -= 1; }), "heights 2/8/4",
+              "minimum: expected"));
+  CHECK(finds(verify_edited({id}, id, [](auto& e, auto&) { e.max_quanta += 1; }), "heights 2/8/4",
+              "maximum: expected"));
+  CHECK(finds(verify_edited({id}, id, [](auto& e, auto&) { e.flags |= kHasVoids; }), "heights 2/8/4",
+              "void flag: expected 0"));
+  CHECK(finds(verify_edited(
+                  {id}, id, [](auto& e, auto&) { e.flags = 0; }, kHoles),
+              "heights 2/8/4", "void flag: expected 1"));
+}
+
+TEST_CASE("verify finds a tile of equal samples that is not stored as constant") {
+  const test::TestSurface flat{257, 2, [](auto, auto) { return 7; }, {}};
+  const auto report = verify_edited(
+      {{2, 8, 4}}, {2, 8, 4}, [](auto& e, auto&) { e.flags = 0; }, flat);
+  CHECK(finds(report, "heights 2/8/4", "expected a constant tile"));
+}
+
+TEST_CASE("verify finds a tile without a parent, except at the coarsest level") {
+  std::vector<TileId> orphan = kFour;
+  orphan.erase(std::find(orphan.begin(), orphan.end(), TileId{1, 4, 2}));
+  const auto report = verify_edited(orphan, {0, 0, 0}, {});
+  CHECK(finds(report, "heights 2/9/5", "expected its parent 1/4/2, found none"));
+  CHECK_FALSE(finds(report, "heights 0/2/1", "parent"));
+}
+
+TEST_CASE("verify finds a parent with a smaller error than its child's") {
+  const auto report = verify_edited(kFour, {2, 9, 5}, [](auto& e, auto&) { e.geometric_error_m = 500; });
+  CHECK(finds(report, "heights 2/9/5", "geometric error: expected no more than its parent's"));
+  CHECK(report.findings.size() == 1);
+}
+
+TEST_CASE("verify finds a sample that is not its parent's, also where one of them is void") {
+  const auto lift = [](IndexEntry& entry, HeightTile& tile) {
+    set(tile, 100, 60, tile.at(100, 60) + 1);
+    const auto edited = test::describe(entry.id, tile);
+    entry.min_quanta = edited.min_quanta;
+    entry.max_quanta = edited.max_quanta;
+  };
+  const auto report = verify_edited(kFour, {2, 9, 5}, lift);
+  CHECK(finds(report, "heights 2/9/5", "in its parent 1/4/2; 1 of 16641 samples differ"));
+  CHECK(report.findings.size() == 1);
+  const auto hole = [](IndexEntry& entry, HeightTile& tile) {
+    set_void(tile, 100, 60);
+    entry = test::describe(entry.id, tile);
+  };
+  CHECK(finds(verify_edited(kFour, {2, 9, 5}, hole), "heights 2/9/5", "a void here"));
+}
+
+TEST_CASE("what a void sample holds is nobody's business") {
+  const auto fill = [](IndexEntry&, HeightTile& tile) {
+    for (std::size_t i = 0; i < tile.samples.size(); ++i) {
+      if (tile.voids[i] != 0) tile.samples[i] = -100000;
+    }
+  };
+  CHECK(verify_edited(kFour, {2, 9, 5}, fill, kHoles).ok());
+}
+
+TEST_CASE("verify finds edges that neighbours do not share, also voids, and counts the samples") {
+  const std::vector<TileId> pair{{2, 8, 4}, {2, 9, 4}, {2, 8, 5}};
+  const auto lift = [](int column, int row) {
+    return [=](IndexEntry& entry, HeightTile& tile) {
+      set(tile, column, row, tile.at(column, row) + 1);
+      set(tile, column, row + 2, tile.at(column, row + 2) + 1);
+      entry = test::describe(entry.id, tile);
+    };
+  };
+  CHECK(finds(
+      verify_edited(pair, {2, 9, 4}, lift(0, 31)), "heights 2/8/4",
+      "expected its eastern edge in its neighbour 2/9/4; 2 of 257 samples differ, the first is number 31"));
+  CHECK(finds(verify_edited(pair, {2, 8, 5}, lift(31, 0)), "heights 2/8/4",
+              "expected its northern edge in its neighbour 2/8/5; 1 of 257"));
+  const auto hole = [](IndexEntry& entry, HeightTile& tile) {
+    set_void(tile, 0, 77);
+    entry = test::describe(entry.id, tile);
+  };
+  CHECK(finds(verify_edited(pair, {2, 9, 4}, hole), "heights 2/8/4", "a void there"));
+}
+
+TEST_CASE("verify finds corners that diagonal neighbours do not share when nothing lies between them") {
+  const auto lift = [](int column, int row) {
+    return [=](IndexEntry& entry, HeightTile& tile) {
+      set(tile, column, row, 20000);
+      entry = test::describe(entry.id, tile);
+    };
+  };
+  CHECK(finds(verify_edited({{2, 8, 4}, {2, 9, 5}}, {2, 9, 5}, lift(0, 0)), "heights 2/8/4",
+              "north-eastern corner in its neighbour 2/9/5"));
+  CHECK(finds(verify_edited({{2, 8, 5}, {2, 9, 4}}, {2, 9, 4}, lift(0, 256)), "heights 2/8/5",
+              "south-eastern corner in its neighbour 2/9/4"));
+}
+
+TEST_CASE("verify finds an antimeridian that differs from its two sides, at every level") {
+  const test::TestSurface surface{257, 0, test::hills, {}};
+  for (int level = -9; level <= 0; ++level) {
+    const TileId west{level, 0, tile_at({0, 10}, level).y};
+    const TileId east{level, tiles_around(level) - 1, west.y};
+    std::vector<TileId> ids{west, east};
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    const auto lift = [](IndexEntry& entry, HeightTile& tile) {
+      set(tile, 0, 3, tile.at(0, 3) + 1);
+      entry = test::describe(entry.id, tile);
+    };
+    INFO("level " << level);
+    CHECK(finds(verify_edited(ids, west, lift, surface), "heights " + to_string(east), "eastern edge"));
+  }
+}
+
+TEST_CASE("verify finds a height past the world's edge") {
+  const test::TestSurface surface{257, 0, test::hills, {}};
+  const auto fill = [](int column, int row) {
+    return [=](IndexEntry& entry, HeightTile& tile) {
+      tile.voids[static_cast<std::size_t>(row * 257 + column)] = 0;
+      entry = test::describe(entry.id, tile);
+    };
+  };
+  CHECK(finds(verify_edited({{-9, 0, 0}}, {-9, 0, 0}, fill(181, 20), surface), "heights -9/0/0",
+              "sample 181,20: expected a void past the world's edge"));
+  CHECK(
+      finds(verify_edited({{-9, 0, 0}}, {-9, 0, 0}, fill(5, 91), surface), "heights -9/0/0", "sample 5,91"));
+}
+
+TEST_CASE("findings come in the index's order with any number of threads, and no more than asked for") {
+  const test::TempDir dir;
+  const fs::path path = dir.path() / "a.cairn";
+  test::write_test_pack(path, kHills, kFour, [](IndexEntry& entry, HeightTile&) { entry.min_quanta -= 1; });
+  const auto one = verify(path, 1), four = verify(path, 4);
+  REQUIRE(one.findings.size() == kFour.size());
+  for (std::size_t i = 0; i < kFour.size(); ++i) CHECK(one.findings[i].where == four.findings[i].where);
+  CHECK(verify_pack(path, {2, 3})->findings.size() == 3);
+}
+
+}  // namespace cairn
