@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "format/tile_id.h"
+
+namespace cairn {
+
+/// Which tiles around the eye's own are split for; seed [4] §6.2 unless another is named.
+enum class Marking : std::uint8_t {
+  normal,      ///< the quadtree path to the eye's tile
+  plus,        ///< also to its 4 edge neighbours
+  cross,       ///< also to its 4 diagonal neighbours: all 8 neighbours are of the finest level
+  restricted,  ///< the cross rule at every level on its own: 12(K-1)+16 tiles, 10 new ones a move along an
+               ///< axis, 20 along a diagonal. Tiles that touch differ by at most TWO levels, see
+               ///< SceneMapSpec.
+  balanced,    ///< restricted, then split on until tiles that touch differ by at most ONE level
+  nine,        ///< 3×3 tiles of the finest level and no other; seed [1] §3
+  window,      ///< n×n tiles of the finest level and no other; [4, Fig. 6.1.1]
+};
+
+/// All markings, in the order of the reports, and the words for them on command lines.
+std::span<const Marking> all_markings();
+std::string_view to_string(Marking marking);
+std::optional<Marking> marking_from(std::string_view word);
+
+/// What decides a scene map; nothing else does.
+///
+/// At each level finer than `coarsest - 1` the marking names the tiles to split; the map is the leaves. In
+/// `restricted`, at each level l the parents of the eye's tile at l and of its 4 diagonal neighbours at l are
+/// split, so that a 4×4 group of level-l tiles surrounds the eye.
+///
+/// The 4×4 groups lie on even tile numbers and the next finer group (2×2 tiles of this level) need not be in
+/// their middle, so that its rim may touch the level after next; at K >= 3 that happens at 15 of 16 eye
+/// tiles. No rule with 4×4 groups avoids it: the 2×2 would have to begin at an odd number at every level.
+/// `balanced` buys the difference of one with up to 102 tiles and 46 new ones a move (K = 4).
+///
+/// Beside the antimeridian the tiles of levels coarser than -3 overhang the world and do not line up with
+/// those across it: there `restricted` may step by more, `balanced` does not.
+///
+/// The longitude wraps; in latitude a neighbour beyond the pole is replaced by the tile at the pole.
+struct SceneMapSpec {
+  TileId eye;                ///< the eye's tile at the finest level; valid
+  int coarsest = kMinLevel;  ///< kMinLevel covers the whole Earth; f-K+1 gives the K levels that are counted
+  Marking marking = Marking::restricted;
+  int window_tiles = 8;  ///< n of Marking::window; 1…64
+};
+
+/// Which tiles can be had: a pack's, less those known to be damaged. Null: all of them. Called once for each
+/// node of the map's tree, ancestors included.
+using HasTile = std::function<bool(const TileId&)>;
+
+/// A leaf of the map: an area, and the tile whose data covers it.
+struct SceneTile {
+  static constexpr std::int8_t kNothing = -128;
+
+  TileId area;
+  /// The level of the nearest of area, its parent, grandparent … that can be had; kNothing where none can.
+  std::int8_t source_level = kNothing;
+
+  bool has_source() const { return source_level != kNothing; }
+  /// REQUIRES: has_source().
+  TileId source() const { return ancestor_of(area, source_level); }
+
+  friend auto operator<=>(const SceneTile&, const SceneTile&) = default;
+};
+
+/// The scene map: tiles of mixed levels that cover the scene, each place once. Sorted by area.
+using SceneMap = std::vector<SceneTile>;
+
+/// Where all the children of an area would show the same coarser tile, the map has the area itself instead.
+/// Pure: the same spec and the same answers of `has` give the same map. REQUIRES: a valid spec.
+SceneMap build_scene_map(const SceneMapSpec& spec, const HasTile& has = nullptr);
+
+/// The tiles whose data the map shows: sorted, each once.
+std::vector<TileId> sources_of(const SceneMap& map);
+
+/// The difference blocks [4, §8.6]: what `after` shows and `before` did not. Both sorted, as is the result.
+std::vector<TileId> difference(std::span<const TileId> before, std::span<const TileId> after);
+
+}  // namespace cairn
