@@ -1,1 +1,134 @@
-int main() { return 0; }
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "runtime/stats/block_count.h"
+#include "runtime/stats/draw_map.h"
+#include "runtime/stats/report.h"
+
+namespace cairn {
+namespace {
+
+struct Options {
+  std::string marking = "all";
+  int levels = 4;
+  int window = 8;
+  std::string walk = "random";
+  std::size_t moves = 20;
+  std::uint64_t seed = 1;
+  bool exhaustive = false;
+  std::filesystem::path json;
+  std::filesystem::path csv;
+  std::vector<std::string> draw;
+};
+
+void declare(CLI::App& app, Options& o) {
+  app.add_option("--marking", o.marking,
+                 "all, or one of normal, plus, cross, restricted, balanced, nine, window");
+  app.add_option("--levels", o.levels, "K, the levels that are counted")->check(CLI::Range(2, 9));
+  app.add_option("--window", o.window, "tiles along a side of the window marking")->check(CLI::Range(1, 64));
+  app.add_option("--walk", o.walk, "axis, diagonal, random, or a file with a line dx,dy a move");
+  app.add_option("--moves", o.moves, "moves of the walk")->check(CLI::Range(1, 100000));
+  app.add_option("--seed", o.seed, "of the walk");
+  app.add_flag("--exhaustive", o.exhaustive, "every eye tile of a 2^(K+2) square and every move of the kind");
+  app.add_option("--json", o.json, "write the report as JSON");
+  app.add_option("--csv", o.csv, "write the counts of every move as CSV");
+  app.add_option("--draw", o.draw, "X,Y OUT.svg: draw the map with the eye X,Y tiles from a coarse corner")
+      ->expected(2);
+}
+
+Result<std::vector<Marking>> chosen_markings(const std::string& word) {
+  const auto all = all_markings();
+  if (word == "all") return std::vector<Marking>(all.begin(), all.end());
+  if (const auto marking = marking_from(word)) return std::vector<Marking>{*marking};
+  return usage_error("--marking: expected all or a marking's name, found " + word);
+}
+
+Result<std::vector<Move>> chosen_walk(const Options& o) {
+  const auto kinds = moves_of_kind(o.walk);
+  if (!kinds.empty()) return random_walk(kinds, o.moves, o.seed);
+  if (o.exhaustive)
+    return usage_error("--exhaustive: expected --walk axis, diagonal or random, found " + o.walk);
+  return read_walk(o.walk);
+}
+
+/// A walk starts at a random tile of the pattern's period, so that no walk favours the coarsest borders.
+TileId chosen_start(const Options& o) {
+  if (o.exhaustive) return endless_world();
+  std::mt19937_64 random(o.seed);
+  const std::uint64_t period = std::uint64_t{1} << (o.levels + 2);
+  const auto x = static_cast<std::int32_t>(random() % period);
+  return neighbour_of(endless_world(), x, static_cast<std::int32_t>(random() % period));
+}
+
+Status write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) return failed(path.string() + ": cannot be written");
+  return {};
+}
+
+Status draw(const Options& o, const std::vector<Marking>& markings) {
+  if (markings.size() != 1) return usage_error("--draw: expected one --marking, found " + o.marking);
+  int x = 0, y = 0;
+  if (std::sscanf(o.draw[0].c_str(), "%d,%d", &x, &y) != 2) {
+    return usage_error("--draw: expected X,Y, found " + o.draw[0]);
+  }
+  const TileId eye = neighbour_of(endless_world(), x, y);
+  const SceneMap map = build_scene_map({eye, eye.level - o.levels + 1, markings[0], o.window});
+  const std::string title = std::string(to_string(markings[0])) + ", " + std::to_string(o.levels) +
+                            " levels: " + std::to_string(map.size()) + " tiles";
+  return write_text(o.draw[1], draw_map(map, eye, title));
+}
+
+Status count(const Options& o, const std::vector<Marking>& markings) {
+  const auto walk = chosen_walk(o);
+  if (!walk) return walk.error();
+  StatsReport report{o.levels, o.walk, o.seed, o.exhaustive, "", {}};
+  for (const Marking marking : markings) {
+    const CountSpec spec{chosen_start(o), o.levels, marking, o.window, nullptr};
+    report.markings.push_back(
+        {marking,
+         o.exhaustive ? count_exhaustively(spec, moves_of_kind(o.walk)) : count_walk(spec, *walk),
+         {}});
+  }
+  std::cout << to_table(report);
+  if (!o.json.empty()) {
+    if (auto written = write_text(o.json, to_json(report)); !written) return written;
+  }
+  return o.csv.empty() ? Status{} : write_text(o.csv, to_csv(report));
+}
+
+int run(const Options& o) {
+  const auto markings = chosen_markings(o.marking);
+  const Status status = !markings        ? Status(markings.error())
+                        : o.draw.empty() ? count(o, *markings)
+                                         : draw(o, *markings);
+  if (status) return 0;
+  std::cerr << "cairn-stats: " << status.error().message << "\n";
+  return static_cast<int>(status.error().code);
+}
+
+}  // namespace
+}  // namespace cairn
+
+int main(int argc, char** argv) {
+  CLI::App app("Counts the blocks of scene maps: totals, and what a move of the eye has to load.",
+               "cairn-stats");
+  cairn::Options options;
+  cairn::declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(cairn::ErrorCode::usage);
+  }
+  return cairn::run(options);
+}

@@ -1,0 +1,113 @@
+#include "runtime/stats/report.h"
+
+#include <cstdio>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "runtime/stats/thesis.h"
+
+namespace cairn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class Items, class Field>
+Summary summarize_field(const Items& items, Field field) {
+  std::vector<double> samples;
+  samples.reserve(items.size());
+  for (const auto& item : items) samples.push_back(static_cast<double>(item.*field));
+  return summarize(std::move(samples));
+}
+
+Json total_json(const MarkingReport& report) {
+  const Summary s = summarize_field(report.counts, &MoveCount::total);
+  std::set<std::size_t> values;
+  for (const MoveCount& count : report.counts) values.insert(count.total);
+  return {{"min", static_cast<std::size_t>(s.min)},
+          {"max", static_cast<std::size_t>(s.max)},
+          {"mean", s.mean},
+          {"values", values}};
+}
+
+Json difference_json(const MarkingReport& report) {
+  const Summary s = summarize_field(report.counts, &MoveCount::difference);
+  std::map<std::size_t, std::size_t> histogram;
+  for (const MoveCount& count : report.counts) ++histogram[count.difference];
+  Json bins = Json::object();
+  for (const auto& [difference, moves] : histogram) bins[std::to_string(difference)] = moves;
+  return {{"min", static_cast<std::size_t>(s.min)},
+          {"max", static_cast<std::size_t>(s.max)},
+          {"mean", s.mean},
+          {"p95", static_cast<std::size_t>(s.p95)},
+          {"histogram", bins}};
+}
+
+Json marking_json(const MarkingReport& report, int levels) {
+  Json json{{"name", to_string(report.marking)},
+            {"total", total_json(report)},
+            {"difference", difference_json(report)}};
+  if (const auto thesis = thesis_counts(report.marking, levels)) {
+    json["thesis"] = {{"total_max", thesis->total}, {"difference_max", thesis->difference}};
+  }
+  if (report.loads.empty()) return json;
+  const Summary ms = summarize_field(report.loads, &MoveLoad::latency_ms);
+  json["latency_ms"] = {{"p50", ms.p50}, {"p95", ms.p95}, {"p99", ms.p99}, {"max", ms.max}};
+  const Summary bytes = summarize_field(report.loads, &MoveLoad::bytes);
+  json["bytes"] = {{"mean", bytes.mean},
+                   {"p95", static_cast<std::uint64_t>(bytes.p95)},
+                   {"max", static_cast<std::uint64_t>(bytes.max)}};
+  return json;
+}
+
+}  // namespace
+
+std::string to_json(const StatsReport& report) {
+  Json json{{"levels", report.levels}, {"walk", report.walk}};
+  json["moves"] = report.markings.empty() ? 0 : report.markings.front().counts.size();
+  json["seed"] = report.seed;
+  json["exhaustive"] = report.exhaustive;
+  if (!report.pack.empty()) json["pack"] = report.pack;
+  json["markings"] = Json::array();
+  for (const MarkingReport& marking : report.markings)
+    json["markings"].push_back(marking_json(marking, report.levels));
+  return json.dump(1) + "\n";
+}
+
+std::string to_csv(const StatsReport& report) {
+  std::ostringstream out;
+  out << "marking,move,total,difference" << (report.pack.empty() ? "" : ",latency_ms,bytes") << "\n";
+  for (const MarkingReport& marking : report.markings) {
+    for (std::size_t i = 0; i < marking.counts.size(); ++i) {
+      const MoveCount& count = marking.counts[i];
+      out << to_string(marking.marking) << "," << i + 1 << "," << count.total << "," << count.difference;
+      if (!marking.loads.empty()) out << "," << marking.loads[i].latency_ms << "," << marking.loads[i].bytes;
+      out << "\n";
+    }
+  }
+  return out.str();
+}
+
+std::string to_table(const StatsReport& report) {
+  std::ostringstream out;
+  char line[160];
+  std::snprintf(line, sizeof line, "%-11s %5s %5s %7s   %5s %5s %7s   %s\n", "marking", "min", "max", "mean",
+                "diff", "p95", "mean", "thesis: max total, max difference");
+  out << line;
+  for (const MarkingReport& marking : report.markings) {
+    const Summary total = summarize_field(marking.counts, &MoveCount::total);
+    const Summary difference = summarize_field(marking.counts, &MoveCount::difference);
+    const auto thesis = thesis_counts(marking.marking, report.levels);
+    const std::string theirs =
+        thesis ? std::to_string(thesis->total) + ", " + std::to_string(thesis->difference) : "-";
+    std::snprintf(line, sizeof line, "%-11s %5.0f %5.0f %7.2f   %5.0f %5.0f %7.2f   %s\n",
+                  std::string(to_string(marking.marking)).c_str(), total.min, total.max, total.mean,
+                  difference.max, difference.p95, difference.mean, theirs.c_str());
+    out << line;
+  }
+  return out.str();
+}
+
+}  // namespace cairn

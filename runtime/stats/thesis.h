@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+
+#include "runtime/scene_map.h"
+
+namespace cairn {
+
+/// The largest block counts that seed [4] gives, K = 4, over 20 random moves: figures 8.6.6 and 8.6.5.
+struct ThesisCounts {
+  int total = 0;
+  int difference = 0;
+};
+
+constexpr std::optional<ThesisCounts> thesis_counts(Marking marking, int levels) {
+  if (levels != 4) return std::nullopt;
+  switch (marking) {
+    case Marking::normal:
+      return ThesisCounts{13, 11};
+    case Marking::plus:
+      return ThesisCounts{35, 11};
+    case Marking::cross:
+      return ThesisCounts{44, 22};
+    case Marking::restricted:
+      return ThesisCounts{52, 10};
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace cairn
