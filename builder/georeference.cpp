@@ -25,6 +25,10 @@ LonLat from_utm(const Georeference& g, double x, double y) {
   LonLat place;
   GeographicLib::TransverseMercator::UTM().Reverse(central_meridian(g.utm_zone), x - kUtmFalseEasting,
                                                    y - false_northing(g.utm_north), place.lat, place.lon);
+  // Zones 1 and 60 reach across the antimeridian; longitudes there go on, so that a raster stays in one
+  // piece.
+  const double middle = central_meridian(g.utm_zone);
+  place.lon = middle + std::remainder(place.lon - middle, 360);
   return place;
 }
 
