@@ -7,7 +7,7 @@
 
 #include "format/pack_reader.h"
 #include "format/pack_verify.h"
-#include "tests/format/test_pack.h"
+#include "tests/test_pack.h"
 #include "tests/test_data.h"
 
 namespace cairn {

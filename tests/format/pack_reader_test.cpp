@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "format/pack_writer.h"
-#include "tests/format/test_pack.h"
+#include "tests/test_pack.h"
 #include "tests/test_data.h"
 
 namespace cairn {
@@ -34,7 +34,7 @@ fs::path small_pack(const test::TempDir& dir) {
     entry.id = id;
     REQUIRE(writer->add(entry, block).ok());
   }
-  REQUIRE(writer->finish(test::kTestMetadata).ok());
+  REQUIRE(writer->finish("{}").ok());
   return path;
 }
 
@@ -46,7 +46,7 @@ TEST_CASE("a pack gives back every tile and its metadata") {
   test::write_test_pack(dir.path() / "a.cairn", kHills, tiles);
   const auto reader = PackReader::open(dir.path() / "a.cairn");
   REQUIRE(reader.ok());
-  CHECK(reader->metadata_json() == test::kTestMetadata);
+  CHECK(reader->metadata_json().starts_with(R"({"cairn":"test")"));
   CHECK(reader->header().vertical_datum == VerticalDatum::egm96);
   REQUIRE(reader->entry_count() == tiles.size());
   for (const TileId& id : tiles) {

@@ -11,7 +11,7 @@
 #include "format/pack_reader.h"
 #include "format/pack_writer.h"
 #include "format/texture_tile.h"
-#include "tests/format/test_pack.h"
+#include "tests/test_pack.h"
 #include "tests/test_data.h"
 
 namespace cairn {
@@ -61,7 +61,7 @@ void set_void(HeightTile& tile, int column, int row) {
 /// Writes a pack of raw blocks, none of them checked.
 fs::path raw_pack(const test::TempDir& dir,
                   const std::vector<std::pair<IndexEntry, std::vector<std::byte>>>& tiles,
-                  std::string_view metadata = test::kTestMetadata) {
+                  std::string_view metadata = "{}") {
   Result<PackWriter> writer = PackWriter::create(dir.path() / "raw.cairn", test::test_header());
   REQUIRE(writer.ok());
   for (const auto& [entry, block] : tiles) REQUIRE(writer->add(entry, block).ok());

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "format/pack_reader.h"
-#include "tests/format/test_pack.h"
+#include "tests/test_pack.h"
 #include "tests/test_data.h"
 
 namespace cairn {

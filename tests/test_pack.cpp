@@ -1,11 +1,13 @@
-#include "tests/format/test_pack.h"
+#include "tests/test_pack.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <set>
+#include <sstream>
 
 #include <catch2/catch.hpp>
 
@@ -70,6 +72,28 @@ PackHeader test_header(int tile_size) {
   return header;
 }
 
+std::string test_metadata(const PackHeader& header, const std::vector<IndexEntry>& entries) {
+  std::map<int, float> errors;
+  for (const IndexEntry& entry : entries) {
+    if (entry.layer == Layer::heights) {
+      errors[entry.id.level] = std::max(errors[entry.id.level], entry.geometric_error_m);
+    }
+  }
+  std::ostringstream out;
+  out.precision(17);
+  out << R"({"cairn":"test","grid":{"tile_size":)" << header.tile_size << R"(,"quantum_m":)"
+      << header.quantum_m << R"(},"vertical_datum":")" << to_string(header.vertical_datum)
+      << R"(","bounds":{"west":-178,"south":-89,"east":-177,"north":-88},"promise_m":0.5,)"
+      << R"("accuracy":{"posts":9,"max_m":0.5,"rms_m":0.25,"p50_m":0.125,"p95_m":0.25,"p99_m":0.375,)"
+      << R"("worst":{"lon":-177.5,"lat":-88.5}},"levels":[)";
+  for (auto it = errors.begin(); it != errors.end(); ++it) {
+    out << (it == errors.begin() ? "" : ",") << R"({"level":)" << it->first << R"(,"max_error_m":)"
+        << it->second << "}";
+  }
+  out << R"(],"sources":[{"path":"made.hgt","format":"hgt","posts_won":9}],"options":{}})";
+  return out.str();
+}
+
 void write_test_pack(const std::filesystem::path& path, const TestSurface& surface,
                      const std::vector<TileId>& tiles,
                      const std::function<void(IndexEntry&, HeightTile&)>& edit) {
@@ -84,7 +108,7 @@ void write_test_pack(const std::filesystem::path& path, const TestSurface& surfa
         constant ? std::vector<std::byte>() : encode_height_block(tile, *height_codecs().front());
     REQUIRE(writer->add(entry, block).ok());
   }
-  REQUIRE(writer->finish(kTestMetadata).ok());
+  REQUIRE(writer->finish(test_metadata(test_header(surface.tile_size), writer->entries())).ok());
 }
 
 std::vector<TileId> with_ancestors(const std::vector<TileId>& tiles, int coarsest) {

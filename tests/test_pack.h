@@ -3,15 +3,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "format/height_tile.h"
 #include "format/pack_layout.h"
 
 namespace cairn::test {
-
-inline constexpr std::string_view kTestMetadata = R"({"cairn":"test"})";
 
 /// A surface known at every sample of every level: heights in quanta as a function of the sample's column
 /// (from 180°W) and row (from 90°S) on the grid of level `finest`. Coarser tiles take every second sample, so
@@ -33,6 +31,10 @@ std::int32_t hills(std::int64_t column, std::int64_t row);
 IndexEntry describe(const TileId& id, const HeightTile& tile);
 
 PackHeader test_header(int tile_size = 257);
+
+/// Metadata with every key that a pack's page promises and numbers that agree with the header and the
+/// entries; the accuracy and the source are made up.
+std::string test_metadata(const PackHeader& header, const std::vector<IndexEntry>& entries);
 
 /// Writes a pack of these tiles; every height block in the first codec of the table. The tiles' entries may
 /// be changed by `edit` before they are added.

@@ -1,0 +1,142 @@
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "builder/app/pack_metadata.h"
+#include "builder/app/report_error.h"
+#include "builder/app/verbs.h"
+
+namespace cairn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct InfoOptions {
+  std::string pack;
+  bool json = false;
+};
+
+double samples_a_tile(const PackReader& pack, Layer layer) {
+  const double side = pack.header().tile_size - (layer == Layer::heights ? 0 : 1);
+  return side * side;
+}
+
+Json levels_json(const PackReader& pack, Layer layer) {
+  Json levels = Json::array();
+  for (const LevelSummary& level : summarise_levels(pack, layer)) {
+    const double samples = static_cast<double>(level.tiles) * samples_a_tile(pack, layer);
+    levels.push_back({{"level", level.level},
+                      {"tiles", level.tiles},
+                      {"constant_tiles", level.constant_tiles},
+                      {"bytes", level.bytes},
+                      {"bits_per_sample", static_cast<double>(level.bytes) * 8 / samples},
+                      {"max_error_m", level.max_error_m}});
+  }
+  return levels;
+}
+
+Json describe(const PackReader& pack, const nlohmann::json& metadata) {
+  const auto of = [&](const char* key) {
+    return metadata.contains(key) ? metadata.at(key) : nlohmann::json();
+  };
+  const PackHeader& header = pack.header();
+  Json info;
+  info["format_version"] = header.version;
+  info["tile_size"] = header.tile_size;
+  info["quantum_m"] = header.quantum_m;
+  info["vertical_datum"] = to_string(header.vertical_datum);
+  info["bounds"] = of("bounds");
+  info["promise_m"] = of("promise_m");
+  info["file_bytes"] = header.file_bytes();
+  info["levels"] = levels_json(pack, Layer::heights);
+  if (pack.levels(Layer::imagery)) info["imagery_levels"] = levels_json(pack, Layer::imagery);
+  info["accuracy"] = of("accuracy");
+  info["sources"] = of("sources");
+  return info;
+}
+
+/// The number at a key of an object that came from a file, or NaN.
+double number(const Json& object, const char* key) {
+  const bool there = object.is_object() && object.contains(key) && object.at(key).is_number();
+  return there ? object.at(key).get<double>() : std::nan("");
+}
+
+void print_levels(const char* title, const Json& levels) {
+  fmt::print("{}\n  {:>5} {:>9} {:>9} {:>14} {:>11} {:>12}\n", title, "level", "tiles", "constant", "bytes",
+             "bits/sample", "max error m");
+  for (const Json& level : levels) {
+    fmt::print("  {:>5} {:>9} {:>9} {:>14} {:>11.3f} {:>12.3f}\n", level["level"].get<int>(),
+               level["tiles"].get<std::uint64_t>(), level["constant_tiles"].get<std::uint64_t>(),
+               level["bytes"].get<std::uint64_t>(), level["bits_per_sample"].get<double>(),
+               level["max_error_m"].get<double>());
+  }
+}
+
+void print_accuracy(const Json& info) {
+  const Json& a = info["accuracy"];
+  if (!a.is_object()) return;
+  const Json worst = a.contains("worst") ? a.at("worst") : Json();
+  fmt::print(
+      "post errors    {:.0f} posts: max {:.3f} m at {:.5f},{:.5f}; rms {:.3f}, p50 {:.3f}, p95 {:.3f}, p99 "
+      "{:.3f}\n",
+      number(a, "posts"), number(a, "max_m"), number(worst, "lon"), number(worst, "lat"), number(a, "rms_m"),
+      number(a, "p50_m"), number(a, "p95_m"), number(a, "p99_m"));
+}
+
+void print_sources(const Json& sources) {
+  if (!sources.is_array()) return;
+  fmt::print("sources        {}\n", sources.size());
+  for (const Json& source : sources) {
+    const bool named = source.is_object() && source.contains("path") && source.at("path").is_string();
+    fmt::print("  {}", named ? source.at("path").get<std::string>() : "?");
+    if (const double won = number(source, "posts_won"); !std::isnan(won))
+      fmt::print("  {:.0f} posts won", won);
+    fmt::print("\n");
+  }
+}
+
+void print_text(const PackReader& pack, const Json& info) {
+  const PackHeader& header = pack.header();
+  const Json& b = info["bounds"];
+  fmt::print("{}\n", pack.path().string());
+  fmt::print("format         {}, {} bytes\n", header.version, header.file_bytes());
+  fmt::print("tiles          {0}x{0} samples in steps of {1} m, vertical datum {2}\n", header.tile_size,
+             header.quantum_m, to_string(header.vertical_datum));
+  fmt::print("bounds         west {} south {} east {} north {}\n", number(b, "west"), number(b, "south"),
+             number(b, "east"), number(b, "north"));
+  fmt::print("promise        every post within {} m\n", number(info, "promise_m"));
+  print_accuracy(info);
+  print_levels("heights", info["levels"]);
+  if (info.contains("imagery_levels")) print_levels("imagery", info["imagery_levels"]);
+  print_sources(info["sources"]);
+}
+
+int run_info(const InfoOptions& options) {
+  const Result<PackReader> pack = PackReader::open(options.pack);
+  if (!pack) return report_error(pack.error());
+  const Result<nlohmann::json> metadata = parse_metadata(*pack);
+  if (!metadata) return report_error(metadata.error());
+  const Json info = describe(*pack, *metadata);
+  if (options.json) {
+    fmt::print("{}\n", info.dump(2));
+  } else {
+    print_text(*pack, info);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* verb = app.add_subcommand("info", "Say what a pack holds: grid, levels, accuracy, sources");
+  verb->add_option("PACK", options->pack, "The pack")->required();
+  verb->add_flag("--json", options->json, "Print JSON");
+  verb->callback([options, &exit_code] { exit_code = run_info(*options); });
+}
+
+}  // namespace cairn

@@ -1,0 +1,57 @@
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "builder/app/sibling_program.h"
+#include "builder/app/verbs.h"
+
+namespace {
+
+constexpr int kUsage = 2;
+
+int run(int argc, char** argv) {
+  CLI::App app("cairn: terrain packs from elevation rasters", "cairn");
+  app.set_version_flag("--version", "cairn " CAIRN_VERSION);
+  app.footer("A verb that is not listed is looked for as cairn-VERB beside this program.");
+  app.require_subcommand(1);
+  app.failure_message(
+      [](const CLI::App*, const CLI::Error& error) { return fmt::format("cairn: {}\n", error.what()); });
+  int exit_code = 0;
+  cairn::add_info(app, exit_code);
+  cairn::add_verify(app, exit_code);
+  cairn::add_sample(app, exit_code);
+
+  if (argc < 2) {
+    fmt::print("{}", app.help());
+    return 0;
+  }
+  const auto is_named = [&](const CLI::App* verb) { return verb->check_name(argv[1]); };
+  if (argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
+    const auto sibling = cairn::find_sibling(argv[1]);
+    if (sibling) cairn::become(*sibling, argv + 1);
+    fmt::print(stderr, "cairn: verb: expected one of `cairn --help` or a program cairn-{0}, found {0}\n",
+               argv[1]);
+    return kUsage;
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsage;
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {  // out of memory, at worst
+    fmt::print(stderr, "cairn: {}\n", error.what());
+    return 1;
+  }
+}

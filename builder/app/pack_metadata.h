@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "format/pack_reader.h"
+
+namespace cairn {
+
+/// The metadata of a pack as JSON; bad_data where it is no JSON object.
+Result<nlohmann::json> parse_metadata(const PackReader& pack);
+
+/// What a level of a layer holds, from the index.
+struct LevelSummary {
+  int level = 0;
+  std::uint64_t tiles = 0;
+  std::uint64_t constant_tiles = 0;
+  std::uint64_t bytes = 0;  ///< of its blocks, shared ones once
+  double max_error_m = 0;   ///< the largest geometric error of its tiles
+};
+std::vector<LevelSummary> summarise_levels(const PackReader& pack, Layer layer);
+
+}  // namespace cairn
