@@ -2,18 +2,10 @@
 
 #include <cstdint>
 
+#include "builder/index_window.h"
 #include "builder/lattice_axis.h"
 
 namespace cairn {
-
-/// A closed range of post or sample indices: first … last.
-struct IndexRange {
-  std::int64_t first = 0;
-  std::int64_t last = -1;
-
-  std::int64_t count() const { return last - first + 1; }
-  friend bool operator==(const IndexRange&, const IndexRange&) = default;
-};
 
 /// Where the posts of an axis lie among its samples, sample k being k/samples_per_degree degrees from the
 /// axis's origin. A post within 1e-6 sample spacings of a sample lies on it.

@@ -89,10 +89,6 @@ void combine_block(const AxisWeights& x, std::ptrdiff_t first, std::ptrdiff_t wi
   }
 }
 
-bool holds(IndexRange outer, IndexRange inner) {
-  return outer.first <= inner.first && inner.last <= outer.last;
-}
-
 }  // namespace
 
 void resample_regular(const AxisResampler& x, const AxisResampler& y, IndexWindow post_window,
@@ -101,7 +97,7 @@ void resample_regular(const AxisResampler& x, const AxisResampler& y, IndexWindo
   assert(out.size() == static_cast<std::size_t>(sample_window.count()));
   const AxisWeights to_x = x.weights_for(sample_window.x);
   const AxisWeights to_y = y.weights_for(sample_window.y);
-  assert(holds(post_window.x, posts_of(to_x.rows)) && holds(post_window.y, posts_of(to_y.rows)));
+  assert(post_window.holds({posts_of(to_x.rows), posts_of(to_y.rows)}));
   const Rows<const float> from{posts.data(), post_window.x.count()};
   if (picks_posts(to_x) && picks_posts(to_y)) return pick(to_x, to_y, post_window, from, out.data());
 

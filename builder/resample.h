@@ -6,15 +6,6 @@
 
 namespace cairn {
 
-/// A rectangle of posts by their lattice indices, or of samples by theirs; x eastwards, y northwards.
-struct IndexWindow {
-  IndexRange x;
-  IndexRange y;
-
-  std::int64_t count() const { return x.count() * y.count(); }
-  friend bool operator==(const IndexWindow&, const IndexWindow&) = default;
-};
-
 /// Posts → samples, one axis after the other: since A·G·Aᵀ = H separates, so does exactness, and the bilinear
 /// surface of the samples passes through every post.
 ///

@@ -13,9 +13,7 @@ struct Field {
   IndexWindow window;
   std::vector<float> heights;
 
-  float at(std::int64_t x, std::int64_t y) const {
-    return heights[static_cast<std::size_t>((y - window.y.first) * window.x.count() + x - window.x.first)];
-  }
+  float at(std::int64_t x, std::int64_t y) const { return heights[window.offset(x, y)]; }
 };
 
 Field random_posts(IndexWindow window, float most, unsigned seed) {
@@ -118,8 +116,7 @@ TEST_CASE("constants and planes are reproduced") {
     const AxisPositions at(axis, 4096);
     for (std::int64_t y = posts.window.y.first; y <= posts.window.y.last; ++y) {
       for (std::int64_t x = posts.window.x.first; x <= posts.window.x.last; ++x) {
-        posts.heights[static_cast<std::size_t>((y - posts.window.y.first) * posts.window.x.count() + x -
-                                               posts.window.x.first)] =
+        posts.heights[posts.window.offset(x, y)] =
             static_cast<float>(3 * at.position(x) - 0.5 * at.position(y));
       }
     }
