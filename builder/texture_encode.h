@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "format/block_texture.h"
+
+namespace cairn {
+
+/// What to spend on a texture; docs/textures.md has what each gives.
+enum class TextureQuality : std::uint8_t { fast, normal, best };
+
+/// Appends the blocks of the RGBA image `rgba` (rows from the north, width·height·4 bytes) to `out`, as
+/// decode_texture() reads them. Where the size is no multiple of 4, the last column and row are repeated to
+/// fill the border blocks.
+///
+/// bc1: texels with alpha < 128 become holes (transparent black), the others opaque. bc3, bc7: alpha as
+/// given. Channels weigh the same, holes nothing. The same image gives the same bytes on every x86-64 CPU.
+/// REQUIRES: width, height >= 1; rgba of that size.
+void encode_texture(TextureFormat format, TextureQuality quality, std::span<const std::uint8_t> rgba,
+                    int width, int height, std::vector<std::byte>& out);
+
+/// The instruction sets that kernels exist for.
+enum class KernelIsa : std::uint8_t { portable, avx2 };
+
+/// The widest that this CPU has: what encode_texture() uses.
+KernelIsa widest_kernel_isa();
+
+/// encode_texture() with the kernels of one instruction set, for tests and benches.
+/// REQUIRES: the CPU has it.
+void encode_texture_with(KernelIsa isa, TextureFormat format, TextureQuality quality,
+                         std::span<const std::uint8_t> rgba, int width, int height,
+                         std::vector<std::byte>& out);
+
+}  // namespace cairn

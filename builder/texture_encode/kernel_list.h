@@ -1,0 +1,20 @@
+#pragma once
+
+#include "builder/texture_encode/kernels.h"
+
+// What the kernel files define, one a file.
+
+namespace cairn::CAIRN_ISA {
+
+void encode_bc1_fast(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
+                     std::ptrdiff_t out_stride);
+void encode_bc1_normal(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
+                       std::ptrdiff_t out_stride);
+void encode_bc1_best(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
+                     std::ptrdiff_t out_stride);
+void encode_alpha_fast(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
+                       std::ptrdiff_t out_stride);
+void encode_alpha_normal(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
+                         std::ptrdiff_t out_stride);
+
+}  // namespace cairn::CAIRN_ISA

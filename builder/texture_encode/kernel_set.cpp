@@ -1,0 +1,10 @@
+#include "builder/texture_encode/kernel_list.h"
+
+namespace cairn::CAIRN_ISA {
+
+const KernelSet kernels = {
+    {encode_bc1_fast, encode_bc1_normal, encode_bc1_best},
+    {encode_alpha_fast, encode_alpha_normal, encode_alpha_normal},
+};
+
+}  // namespace cairn::CAIRN_ISA

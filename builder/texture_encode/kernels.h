@@ -1,0 +1,31 @@
+#pragma once
+
+// The kernels: each is compiled once for every instruction set, and gives the same bytes in all of them.
+
+#include <cstddef>
+#include <cstdint>
+
+namespace cairn {
+
+/// A kernel encodes this many blocks that lie side by side.
+inline constexpr int kKernelBlocks = 8;
+
+/// Encodes kKernelBlocks blocks. `texels` is the first of 4 rows of 4·kKernelBlocks RGBA texels, `stride`
+/// bytes apart. Block i is written to out + i·out_stride; a colour or alpha block is 8 bytes, a BC7 block 16.
+using Kernel = void (*)(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
+                        std::ptrdiff_t out_stride);
+
+/// Indexed by TextureQuality.
+struct KernelSet {
+  Kernel colour[3];  ///< a BC1 block of four colours, which is the colour half of a BC3 block too
+  Kernel alpha[3];   ///< the alpha half of a BC3 block
+};
+
+namespace portable {
+extern const KernelSet kernels;
+}
+namespace avx2 {
+extern const KernelSet kernels;
+}
+
+}  // namespace cairn
