@@ -118,15 +118,14 @@ PackSampler::PackSampler(const PackReader& reader, std::size_t cached_tiles)
 PackSampler::~PackSampler() = default;
 PackSampler::PackSampler(PackSampler&&) noexcept = default;
 
-Result<std::optional<PackSampler::Height>> PackSampler::height_at(LonLat place, std::optional<int> level) {
+Result<std::optional<PackSampler::Height>> PackSampler::height_at(LonLat place, int finest, int coarsest) {
   using Answer = std::optional<Height>;
   const PackReader& reader = *state_->reader;
   const auto range = reader.levels(Layer::heights);
   if (!range || !std::isfinite(place.lon) || !(std::abs(place.lat) <= 90)) return Answer();
   const int intervals = reader.header().tile_size - 1;
-  const int finest = level ? std::min(*level, range->finest) : range->finest;
-  const int coarsest = level ? std::max(*level, range->coarsest) : range->coarsest;
-  for (int l = finest; l >= coarsest; --l) {
+  coarsest = std::max(coarsest, range->coarsest);
+  for (int l = std::min(finest, range->finest); l >= coarsest; --l) {
     const Candidates candidates = candidates_at(place, l, intervals);
     for (const TilePlace& at : std::span(candidates.places).first(candidates.count)) {
       const std::optional<IndexEntry> entry = reader.find(Layer::heights, at.id);

@@ -27,8 +27,8 @@ class PackSampler {
   };
 
   /// nullopt where no tile covers the place or a sample that it needs is void, and where the latitude is no
-  /// place on Earth. With `level`, only that level is asked. Errors are those of reading the tile.
-  Result<std::optional<Height>> height_at(LonLat place, std::optional<int> level = std::nullopt);
+  /// place on Earth. Only levels from `coarsest` to `finest` are asked. Errors are those of reading the tile.
+  Result<std::optional<Height>> height_at(LonLat place, int finest = kMaxLevel, int coarsest = kMinLevel);
 
  private:
   struct State;

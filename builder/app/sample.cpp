@@ -34,6 +34,11 @@ struct SampleOptions {
   bool json = false;
 };
 
+Result<std::optional<PackSampler::Height>> height_at(PackSampler& sampler, LonLat place,
+                                                     std::optional<int> level) {
+  return level ? sampler.height_at(place, *level, *level) : sampler.height_at(place);
+}
+
 /// Answers a batch tile by tile, so that points in any order decode each tile once; the answers are in the
 /// points' order.
 Result<Heights> sample_batch(const PackReader& pack, PackSampler& sampler,
@@ -46,7 +51,7 @@ Result<Heights> sample_batch(const PackReader& pack, PackSampler& sampler,
   std::sort(order.begin(), order.end());
   Heights heights(points.size());
   for (const auto& [tile, i] : order) {
-    const auto height = sampler.height_at(points[i].place, level);
+    const auto height = height_at(sampler, points[i].place, level);
     if (!height) return height.error();
     heights[i] = *height;
   }
@@ -98,7 +103,7 @@ int sample_points(const PackReader& pack, std::istream& in, const SampleOptions&
 int sample_place(const PackReader& pack, const SampleOptions& options) {
   PackSampler sampler(pack, 1);
   const CsvPoint point{{*options.lon, *options.lat}, {}, {}};
-  const auto height = sampler.height_at(point.place, options.level);
+  const auto height = height_at(sampler, point.place, options.level);
   if (!height) return report_error(height.error());
   if (options.json) {
     fmt::print("{}\n", point_json(point, *height).dump());

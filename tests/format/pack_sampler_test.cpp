@@ -5,8 +5,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/test_pack.h"
 #include "tests/test_data.h"
+#include "tests/test_pack.h"
 
 namespace cairn {
 namespace {
@@ -34,7 +34,7 @@ PackReader open_pack(const test::TempDir& dir, const test::TestSurface& surface,
 
 std::optional<PackSampler::Height> sample(PackSampler& sampler, LonLat place,
                                           std::optional<int> level = std::nullopt) {
-  const auto height = sampler.height_at(place, level);
+  const auto height = level ? sampler.height_at(place, *level, *level) : sampler.height_at(place);
   REQUIRE(height.ok());
   return *height;
 }
@@ -58,6 +58,8 @@ TEST_CASE("a surface that bilinear sampling keeps comes back at random places an
     const auto coarse = sample(sampler, place, -1);
     REQUIRE(coarse);
     CHECK(coarse->level == -1);
+    CHECK((*sampler.height_at(place, 1, -2))->level ==
+          (reader.find(Layer::heights, tile_at(place, 1)) ? 1 : 0));
     CHECK(coarse->metres == Approx(tilted_metres(place, 2)).margin(1e-6));
   }
 }

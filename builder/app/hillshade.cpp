@@ -1,0 +1,235 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "builder/app/pack_metadata.h"
+#include "builder/app/report_error.h"
+#include "builder/app/verbs.h"
+#include "builder/picture_file.h"
+#include "builder/relief.h"
+#include "format/pack_sampler.h"
+
+namespace cairn {
+namespace {
+
+constexpr int kMostPixels = 65536;          // along a side
+constexpr int kDefaultPixels = 1024;        // along the longer side
+constexpr double kMetresADegree = 111'195;  // on a sphere of 6371 km; for light, near enough
+constexpr int kBandRows = 64;               // of the picture, shaded at a time
+
+struct HillshadeOptions {
+  std::string pack;
+  std::string output;
+  std::string size;
+  std::vector<double> region;
+  bool json = false;
+};
+
+struct PictureSize {
+  int columns = 0;
+  int rows = 0;
+};
+
+/// What is drawn, on a grid twice as fine as the picture: the average of four is smoother.
+struct Plan {
+  GeoBounds region;
+  PictureSize size;
+  int level = 0;  // the finest that the picture can show
+  double degrees_a_column = 0;
+  double degrees_a_row = 0;
+};
+
+Result<PictureSize> parse_size(const std::string& text) {
+  PictureSize size;
+  char rest = 0;
+  const int fields = std::sscanf(text.c_str(), "%dx%d%c", &size.columns, &size.rows, &rest);
+  const auto good = [](int side) { return side >= 1 && side <= kMostPixels; };
+  if (fields == 2 && good(size.columns) && good(size.rows)) return size;
+  return usage_error(
+      fmt::format("--size: expected WIDTHxHEIGHT of 1 to {} pixels, found {}", kMostPixels, text));
+}
+
+PictureSize default_size(const GeoBounds& region) {
+  const double middle = (region.south + region.north) / 2 * std::numbers::pi / 180;
+  const double width = region.width() * std::max(0.1, std::cos(middle)), height = region.height();
+  const double scale = kDefaultPixels / std::max(width, height);
+  const auto side = [scale](double degrees) {
+    return std::max(1, static_cast<int>(std::lround(degrees * scale)));
+  };
+  return {side(width), side(height)};
+}
+
+Result<GeoBounds> baked_bounds(const PackReader& pack) {
+  const Result<nlohmann::json> metadata = parse_metadata(pack);
+  if (!metadata) return metadata.error();
+  const auto bounds = metadata->find("bounds");
+  const auto edge = [&](const char* name) {
+    const bool there = bounds != metadata->end() && bounds->is_object() && bounds->contains(name) &&
+                       bounds->at(name).is_number();
+    return there ? bounds->at(name).get<double>() : std::nan("");
+  };
+  const GeoBounds found{edge("west"), edge("south"), edge("east"), edge("north")};
+  if (found.west < found.east && found.south < found.north) return found;
+  return bad_data(pack.path().string() + ": metadata: bounds: expected an area, found none");
+}
+
+Result<GeoBounds> wanted_region(const HillshadeOptions& options, const PackReader& pack) {
+  if (options.region.empty()) return baked_bounds(pack);
+  GeoBounds region{options.region[0], options.region[1], options.region[2], options.region[3]};
+  if (region.east <= region.west) region.east += 360;  // across the antimeridian
+  const bool sane = std::abs(region.west) <= 360 && region.width() > 0 && region.width() <= 360 &&
+                    region.south >= -90 && region.south < region.north && region.north <= 90;
+  if (sane) return region;
+  return usage_error("--region: expected WEST,SOUTH,EAST,NORTH in degrees, found another order or range");
+}
+
+Result<Plan> make_plan(const HillshadeOptions& options, const PackReader& pack) {
+  const auto levels = pack.levels(Layer::heights);
+  if (!levels) return bad_data(options.pack + ": expected height tiles, found none");
+  const Result<GeoBounds> region = wanted_region(options, pack);
+  if (!region) return region.error();
+  Plan plan;
+  plan.region = *region;
+  plan.size = default_size(*region);
+  if (!options.size.empty()) {
+    const Result<PictureSize> size = parse_size(options.size);
+    if (!size) return size.error();
+    plan.size = *size;
+  }
+  plan.degrees_a_column = region->width() / (2.0 * plan.size.columns);
+  plan.degrees_a_row = region->height() / (2.0 * plan.size.rows);
+  const double finest = std::min(plan.degrees_a_column, plan.degrees_a_row) * (pack.header().tile_size - 1);
+  plan.level =
+      static_cast<int>(std::clamp(std::ceil(-std::log2(finest)), static_cast<double>(levels->coarsest),
+                                  static_cast<double>(levels->finest)));
+  return plan;
+}
+
+/// Where the tints end: the highest and deepest places of the tiles in view, so that hills are as
+/// colourful as mountains, but not so far that a plain looks like one.
+ReliefStyle style_for(const PackReader& pack, const Plan& plan) {
+  double highest = 400, deepest = -100;
+  for (std::size_t i = 0; i < pack.entry_count(); ++i) {
+    const IndexEntry entry = pack.entry(i);
+    if (entry.layer != Layer::heights || entry.id.level > plan.level) continue;
+    GeoBounds bounds = tile_bounds(entry.id);
+    bounds.east = std::min(bounds.east, 180.0);
+    GeoBounds turned = bounds;
+    turned.west += 360;
+    turned.east += 360;
+    if (!bounds.touches(plan.region) && !turned.touches(plan.region)) continue;
+    // A tile much larger than the view says little of it.
+    if (bounds.width() > 2 * plan.region.width() && entry.id.level < plan.level) continue;
+    highest = std::max(highest, entry.max_quanta * pack.header().quantum_m);
+    deepest = std::min(deepest, entry.min_quanta * pack.header().quantum_m);
+  }
+  ReliefStyle style;
+  style.highest_m = highest;
+  style.deepest_m = deepest;
+  style.row_spacing_m = plan.degrees_a_row * kMetresADegree;
+  style.exaggeration = relief_exaggeration(2 * style.row_spacing_m);
+  return style;
+}
+
+/// Heights of the fine grid's rows from `first` on, one row and column more on each side where the world goes
+/// on, so that slopes do not end at the picture's border.
+Status fill_band(PackSampler& sampler, const Plan& plan, int first, HeightField& field) {
+  std::size_t at = 0;
+  for (int r = 0; r < field.rows; ++r) {
+    const double lat = std::clamp(plan.region.north - (first + r + 0.5) * plan.degrees_a_row, -90.0, 90.0);
+    for (int c = 0; c < field.columns; ++c) {
+      const double lon = plan.region.west + (c - 0.5) * plan.degrees_a_column;
+      const auto height = sampler.height_at({lon, lat}, plan.level);
+      if (!height) return height.error();
+      field.metres[at++] =
+          *height ? static_cast<float>((*height)->metres) : std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  return {};
+}
+
+/// Shades picture rows `first` to `first + rows` and writes them.
+Status draw_band(PackSampler& sampler, const Plan& plan, ReliefStyle style, int first, int rows,
+                 PictureFile& picture) {
+  const int columns = 2 * plan.size.columns + 2;
+  HeightField field{columns, 2 * rows + 2, {}};
+  field.metres.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(field.rows));
+  if (const Status status = fill_band(sampler, plan, 2 * first - 1, field); !status) return status;
+  std::vector<std::uint8_t> fine[2];
+  for (auto& row : fine) row.resize(4 * static_cast<std::size_t>(columns));
+  std::vector<std::uint8_t> out(4 * static_cast<std::size_t>(plan.size.columns));
+  for (int r = 0; r < rows; ++r) {
+    const double lat = plan.region.north - (2 * (first + r) + 1) * plan.degrees_a_row;
+    style.column_spacing_m =
+        plan.degrees_a_column * kMetresADegree * std::max(0.01, std::cos(lat * std::numbers::pi / 180));
+    for (int half = 0; half < 2; ++half) shade_row(field, 2 * r + half + 1, style, fine[half]);
+    const auto inner = [&](int half) { return std::span(fine[half]).subspan(4, 2 * out.size()); };
+    halve_rows(inner(0), inner(1), out);
+    if (const Status status = picture.write_row(std::as_bytes(std::span(out))); !status) return status;
+  }
+  return {};
+}
+
+Status draw(const PackReader& pack, const Plan& plan, const std::string& output) {
+  auto picture = PictureFile::create(output, plan.size.columns, plan.size.rows, PictureFile::Pixel::rgba8);
+  if (!picture) return picture.error();
+  const ReliefStyle style = style_for(pack, plan);
+  // A band may need each tile of a row again for every row of pixels, and its ancestors' row besides.
+  const auto across = static_cast<std::size_t>(std::ldexp(plan.region.width(), plan.level)) + 2;
+  PackSampler sampler(pack, std::min<std::size_t>(2 * across, 256));
+  for (int row = 0; row < plan.size.rows; row += kBandRows) {
+    const int rows = std::min(kBandRows, plan.size.rows - row);
+    if (const Status status = draw_band(sampler, plan, style, row, rows, *picture); !status) return status;
+  }
+  return picture->finish();
+}
+
+int run_hillshade(const HillshadeOptions& options) {
+  const Result<PackReader> pack = PackReader::open(options.pack);
+  if (!pack) return report_error(pack.error());
+  const Result<Plan> plan = make_plan(options, *pack);
+  if (!plan) return report_error(plan.error());
+  if (const Status status = draw(*pack, *plan, options.output); !status) return report_error(status.error());
+  const GeoBounds& r = plan->region;
+  if (options.json) {
+    const nlohmann::ordered_json report = {
+        {"output", options.output},
+        {"columns", plan->size.columns},
+        {"rows", plan->size.rows},
+        {"level", plan->level},
+        {"region", {{"west", r.west}, {"south", r.south}, {"east", r.east}, {"north", r.north}}}};
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    fmt::print("{}: {}x{} pixels of {} {} {} {}, from level {}\n", options.output, plan->size.columns,
+               plan->size.rows, r.west, r.south, r.east, r.north, plan->level);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_hillshade(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<HillshadeOptions>();
+  CLI::App* verb = app.add_subcommand("hillshade", "Draw a shaded relief as a PNG");
+  verb->add_option("PACK", options->pack, "The pack")->required();
+  verb->add_option("-o,--output", options->output, "The picture; replaced where it exists")->required();
+  verb->add_option("--size", options->size,
+                   "WIDTHxHEIGHT in pixels; by default 1024 along the longer side, true to the ground");
+  verb->add_option("--region", options->region,
+                   "WEST,SOUTH,EAST,NORTH in degrees; by default all that was baked")
+      ->delimiter(',')
+      ->expected(4);
+  verb->add_flag("--json", options->json, "Print JSON");
+  verb->callback([options, &exit_code] { exit_code = run_hillshade(*options); });
+}
+
+}  // namespace cairn
