@@ -77,13 +77,13 @@ double light_on(const Gradient& g) {
 /// Shade takes colour away, less of blue as the sky still lights it; light adds white.
 double lit(double colour, double light, double shade_floor) {
   if (light <= 1) return colour * (shade_floor + (1 - shade_floor) * light);
-  return colour + (255 - colour) * 0.75 * (light - 1);
+  return colour + (255 - colour) * 0.6 * (light - 1);
 }
 
 }  // namespace
 
 double relief_exaggeration(double pixel_m) {
-  return std::max(1.0, std::pow(pixel_m / 30, 0.4));
+  return std::max(1.0, std::pow(pixel_m / 80, 0.45));
 }
 
 void shade_row(const HeightField& field, int row, const ReliefStyle& style, std::span<std::uint8_t> rgba) {

@@ -22,7 +22,7 @@ struct ReliefStyle {
   double deepest_m = -4000;     ///< where the tint of water ends; below 0
 };
 
-/// The slope's exaggeration that keeps relief visible as pixels grow: 1 up to 30 m, 10 at 10 km.
+/// The slope's exaggeration that keeps relief visible as pixels grow: 1 up to 80 m, 9 at 10 km.
 double relief_exaggeration(double pixel_m);
 
 /// One row of a picture: tint by height (0 m and below as water), light from 315° at 45° above the horizon on

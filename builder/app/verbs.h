@@ -11,6 +11,7 @@ namespace cairn {
 void add_info(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);
 void add_sample(CLI::App& app, int& exit_code);
+void add_extract(CLI::App& app, int& exit_code);
 void add_hillshade(CLI::App& app, int& exit_code);
 
 }  // namespace cairn
