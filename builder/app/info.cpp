@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "builder/app/pack_description.h"
 #include "builder/app/pack_metadata.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
@@ -19,45 +20,6 @@ struct InfoOptions {
   std::string pack;
   bool json = false;
 };
-
-double samples_a_tile(const PackReader& pack, Layer layer) {
-  const double side = pack.header().tile_size - (layer == Layer::heights ? 0 : 1);
-  return side * side;
-}
-
-Json levels_json(const PackReader& pack, Layer layer) {
-  Json levels = Json::array();
-  for (const LevelSummary& level : summarise_levels(pack, layer)) {
-    const double samples = static_cast<double>(level.tiles) * samples_a_tile(pack, layer);
-    levels.push_back({{"level", level.level},
-                      {"tiles", level.tiles},
-                      {"constant_tiles", level.constant_tiles},
-                      {"bytes", level.bytes},
-                      {"bits_per_sample", static_cast<double>(level.bytes) * 8 / samples},
-                      {"max_error_m", level.max_error_m}});
-  }
-  return levels;
-}
-
-Json describe(const PackReader& pack, const nlohmann::json& metadata) {
-  const auto of = [&](const char* key) {
-    return metadata.contains(key) ? metadata.at(key) : nlohmann::json();
-  };
-  const PackHeader& header = pack.header();
-  Json info;
-  info["format_version"] = header.version;
-  info["tile_size"] = header.tile_size;
-  info["quantum_m"] = header.quantum_m;
-  info["vertical_datum"] = to_string(header.vertical_datum);
-  info["bounds"] = of("bounds");
-  info["promise_m"] = of("promise_m");
-  info["file_bytes"] = header.file_bytes();
-  info["levels"] = levels_json(pack, Layer::heights);
-  if (pack.levels(Layer::imagery)) info["imagery_levels"] = levels_json(pack, Layer::imagery);
-  info["accuracy"] = of("accuracy");
-  info["sources"] = of("sources");
-  return info;
-}
 
 /// The number at a key of an object that came from a file, or NaN.
 double number(const Json& object, const char* key) {
@@ -120,7 +82,7 @@ int run_info(const InfoOptions& options) {
   if (!pack) return report_error(pack.error());
   const Result<nlohmann::json> metadata = parse_metadata(*pack);
   if (!metadata) return report_error(metadata.error());
-  const Json info = describe(*pack, *metadata);
+  const Json info = describe_pack_file(*pack, *metadata);
   if (options.json) {
     fmt::print("{}\n", info.dump(2));
   } else {

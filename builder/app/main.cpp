@@ -21,6 +21,7 @@ int run(int argc, char** argv) {
   app.failure_message(
       [](const CLI::App*, const CLI::Error& error) { return fmt::format("cairn: {}\n", error.what()); });
   int exit_code = 0;
+  cairn::add_bake(app, exit_code);
   cairn::add_info(app, exit_code);
   cairn::add_verify(app, exit_code);
   cairn::add_sample(app, exit_code);

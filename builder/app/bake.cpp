@@ -1,0 +1,168 @@
+#include <charconv>
+#include <fstream>
+#include <memory>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "builder/app/bake_progress.h"
+#include "builder/app/bake_report.h"
+#include "builder/app/report_error.h"
+#include "builder/app/verbs.h"
+#include "builder/build.h"
+#include "builder/memory_budget.h"
+#include "builder/raster_source.h"
+
+namespace cairn {
+namespace {
+
+struct BakeArguments {
+  std::vector<std::string> inputs;
+  BuildOptions options;
+  std::vector<double> region;
+  std::string level = "auto";
+  std::string report;
+  std::string geoid;
+  std::size_t memory_mib = 1024;
+  bool dry_run = false;
+  bool json = false;
+};
+
+Status use_region(const std::vector<double>& region, BuildOptions& options) {
+  if (region.empty()) return {};
+  const GeoBounds bounds{region[0], region[1], region[2], region[3]};
+  if (!(bounds.west < bounds.east && bounds.south < bounds.north && bounds.south >= -90 &&
+        bounds.north <= 90 && bounds.west >= -360 && bounds.east <= 360)) {
+    return usage_error(
+        fmt::format("--region: expected W<E and S<N in degrees, found {}", fmt::join(region, ",")));
+  }
+  options.region = bounds;
+  return {};
+}
+
+Status use_level(const std::string& text, BuildOptions& options) {
+  if (text == "auto") return {};
+  int level = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), level);
+  if (error != std::errc() || end != text.data() + text.size() || level < kMinLevel || level > kMaxLevel) {
+    return usage_error(fmt::format("--level: expected auto or {}…{}, found {}", kMinLevel, kMaxLevel, text));
+  }
+  options.level = level;
+  return {};
+}
+
+Status use_memory(std::size_t mebibytes, BuildOptions& options) {
+  const int threads =
+      options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+  const std::size_t least = (least_memory(threads, options.tile_size) >> 20) + 1;
+  options.memory_bytes = mebibytes << 20;
+  if (mebibytes >= least) return {};
+  return usage_error(
+      fmt::format("--memory: expected {} MiB or more for {} threads, found {}", least, threads, mebibytes));
+}
+
+Result<BuildOptions> options_from(const BakeArguments& arguments) {
+  BuildOptions options = arguments.options;
+  if (auto status = use_region(arguments.region, options); !status) return status.error();
+  if (auto status = use_level(arguments.level, options); !status) return status.error();
+  if (auto status = use_memory(arguments.memory_mib, options); !status) return status.error();
+  if (!arguments.geoid.empty()) options.geoid = arguments.geoid;
+  auto inputs = expand_inputs(arguments.inputs);
+  if (!inputs) return inputs.error();
+  options.inputs = std::move(*inputs);
+  return options;
+}
+
+Status bake(const BakeArguments& arguments) {
+  const auto options = options_from(arguments);
+  if (!options) return options.error();
+  if (arguments.dry_run) {
+    const auto dry = dry_run(*options);
+    if (!dry) return dry.error();
+    print_dry_run(*dry, arguments.json);
+    return {};
+  }
+  BakeProgress progress;
+  const auto report = build(*options, [&](const Progress& p) { progress.show(p); });
+  if (!report) return report.error();
+  if (!report->warning.empty()) fmt::print(stderr, "cairn: warning: {}\n", report->warning);
+  return print_bake_report(*report, *options, arguments.report, arguments.json);
+}
+
+void add_accuracy_options(CLI::App& verb, BakeArguments& arguments) {
+  BuildOptions& o = arguments.options;
+  const std::map<std::string, ResampleMethod> methods{{"nearest", ResampleMethod::nearest},
+                                                      {"bilinear", ResampleMethod::bilinear},
+                                                      {"cubic", ResampleMethod::cubic},
+                                                      {"exact", ResampleMethod::exact}};
+  verb.add_option("--max-error", o.max_error_m,
+                  "promise: metres that no post is off by (0.5 for whole metres, else 0.05)")
+      ->check(CLI::Range(1e-4, 1e4));
+  verb.add_option("--quantum", o.quantum_m, "step in which heights are stored, metres")
+      ->check(CLI::Range(1e-5, 1e3));
+  verb.add_flag("--allow-error", o.allow_error, "a broken promise is a warning");
+  verb.add_option("--resampling", o.resampling, "nearest, bilinear, cubic or exact")
+      ->transform(CLI::CheckedTransformer(methods, CLI::ignore_case))
+      ->default_str("exact");
+}
+
+void add_datum_options(CLI::App& verb, BakeArguments& arguments) {
+  BuildOptions& o = arguments.options;
+  const std::map<std::string, VoidMode> voids{{"fill", VoidMode::fill}, {"keep", VoidMode::keep}};
+  const std::map<std::string, VerticalDatum> datums{{"unknown", VerticalDatum::unknown},
+                                                    {"egm96", VerticalDatum::egm96},
+                                                    {"ellipsoid", VerticalDatum::ellipsoid}};
+  verb.add_option("--void", o.voids, "fill voids smoothly, or keep them as holes")
+      ->transform(CLI::CheckedTransformer(voids, CLI::ignore_case))
+      ->default_str("fill");
+  verb.add_option("--datum", o.datum,
+                  "what the sources' heights are measured from: egm96, ellipsoid or unknown")
+      ->transform(CLI::CheckedTransformer(datums, CLI::ignore_case))
+      ->default_str("unknown");
+  verb.add_option("--geoid", arguments.geoid,
+                  "raster of geoid undulations to add, so that heights are ellipsoidal")
+      ->check(CLI::ExistingFile);
+}
+
+void add_work_options(CLI::App& verb, BakeArguments& arguments) {
+  BuildOptions& o = arguments.options;
+  verb.add_option("--memory", arguments.memory_mib, "MiB that the program stays under")
+      ->capture_default_str();
+  verb.add_option("--threads", o.threads, "0 for all")->check(CLI::Range(0, 1024))->capture_default_str();
+  verb.add_flag("--resume", o.resume, "go on with an interrupted bake to the same target");
+  verb.add_flag("--force", o.force, "replace the target");
+  verb.add_flag("--dry-run", arguments.dry_run, "say what would be done");
+  verb.add_option("--report", arguments.report, "write the report as JSON to this file");
+  verb.add_flag("--json", arguments.json, "print the report as JSON");
+}
+
+}  // namespace
+
+void add_bake(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<BakeArguments>();
+  BuildOptions& o = arguments->options;
+  CLI::App* verb = app.add_subcommand("bake", "Make a pack from DEMs");
+  verb->add_option("dem", arguments->inputs,
+                   "DEM files, folders or glob patterns; finer ones win, then earlier ones")
+      ->required();
+  verb->add_option("-o,--output", o.target, "the pack to make")->required();
+  verb->add_option("--tile-size", o.tile_size, "samples along a tile's side")
+      ->check(CLI::IsMember({257, 513}))
+      ->capture_default_str();
+  verb->add_option("--level", arguments->level, "finest level, or auto")->capture_default_str();
+  verb->add_option("--top", o.top, "coarsest level (0, or -9 for a global input)")
+      ->check(CLI::Range(kMinLevel, kMaxLevel));
+  verb->add_option("--region", arguments->region, "W,S,E,N in degrees: only tiles that touch it")
+      ->delimiter(',')
+      ->expected(4);
+  add_accuracy_options(*verb, *arguments);
+  add_datum_options(*verb, *arguments);
+  add_work_options(*verb, *arguments);
+  verb->callback([arguments, &exit_code] {
+    const Status status = bake(*arguments);
+    exit_code = status.ok() ? 0 : report_error(status.error());
+  });
+}
+
+}  // namespace cairn

@@ -1,0 +1,97 @@
+#include "builder/app/bake_report.h"
+
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "builder/app/pack_description.h"
+#include "builder/app/pack_metadata.h"
+#include "builder/fingerprint.h"
+#include "builder/memory_budget.h"
+
+namespace cairn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMiB = 1048576.0;
+
+Result<Json> report_json(const BuildReport& report, const BuildOptions& options) {
+  const auto pack = PackReader::open(options.target);
+  if (!pack) return pack.error();
+  const auto metadata = parse_metadata(*pack);
+  if (!metadata) return metadata.error();
+  Json json = describe_pack_file(*pack, *metadata);
+  json["seconds"] = report.seconds;
+  json["samples"] = report.samples;
+  json["samples_per_second"] = static_cast<double>(report.samples) / report.seconds;
+  json["peak_rss_mib"] = static_cast<double>(peak_resident_bytes()) / kMiB;
+  json["threads"] = report.threads;
+  json["resumed"] = report.resumed;
+  json["promise_kept"] = report.promise_kept;
+  json["options"] = describe_options(options);
+  return json;
+}
+
+void print_table(const Json& r, const BuildOptions& options) {
+  const Json& a = r["accuracy"];
+  fmt::print("{}: {:.2f} MiB, {} samples in {:.2f} s ({:.1f} M/s, {} threads, peak {:.0f} MiB)\n",
+             options.target.string(), r["file_bytes"].get<double>() / kMiB, r["samples"].get<std::uint64_t>(),
+             r["seconds"].get<double>(), r["samples_per_second"].get<double>() / 1e6, r["threads"].get<int>(),
+             r["peak_rss_mib"].get<double>());
+  fmt::print(
+      "accuracy at {} posts: max {:.4g} m (promised {:.4g}), rms {:.4g}, p50 {:.4g}, p95 {:.4g}, p99 "
+      "{:.4g}\n",
+      a["posts"].get<std::uint64_t>(), a["max_m"].get<double>(), r["promise_m"].get<double>(),
+      a["rms_m"].get<double>(), a["p50_m"].get<double>(), a["p95_m"].get<double>(), a["p99_m"].get<double>());
+  for (const Json& level : r["levels"]) {
+    fmt::print(
+        "level {:>3}: {:>7} tiles, {:>6} constant, {:>10.2f} MiB, {:.2f} bits/sample, error {:.4g} m\n",
+        level["level"].get<int>(), level["tiles"].get<std::uint64_t>(),
+        level["constant_tiles"].get<std::uint64_t>(), level["bytes"].get<double>() / kMiB,
+        level["bits_per_sample"].get<double>(), level["max_error_m"].get<double>());
+  }
+}
+
+}  // namespace
+
+void print_dry_run(const DryRun& dry, bool json) {
+  Json out{{"tile_size", dry.tile_size}, {"top", dry.top},
+           {"finest", dry.finest},       {"promise_m", dry.promise_m},
+           {"quantum_m", dry.quantum_m}, {"samples", dry.samples}};
+  Json levels = Json::array();
+  for (const auto& [level, tiles] : dry.tiles) levels.push_back({{"level", level}, {"tiles", tiles}});
+  out["levels"] = levels;
+  out["estimated_bytes"] = dry.estimated_bytes;
+  out["estimated_seconds"] = dry.estimated_seconds;
+  out["memory_bytes"] = dry.memory_bytes;
+  if (json) {
+    fmt::print("{}\n", out.dump(1));
+    return;
+  }
+  for (const auto& [level, tiles] : dry.tiles) fmt::print("level {:>3}: {:>8} tiles at most\n", level, tiles);
+  fmt::print(
+      "{} samples, promise {:.4g} m in steps of {:.4g} m; about {:.1f} MiB, {:.0f} s, under {:.0f} MiB of "
+      "memory\n",
+      dry.samples, dry.promise_m, dry.quantum_m, static_cast<double>(dry.estimated_bytes) / kMiB,
+      dry.estimated_seconds, static_cast<double>(dry.memory_bytes) / kMiB);
+}
+
+Status print_bake_report(const BuildReport& report, const BuildOptions& options, const std::string& file,
+                         bool json) {
+  const auto described = report_json(report, options);
+  if (!described) return described.error();
+  if (!file.empty()) {
+    std::ofstream out(file);
+    out << described->dump(1) << '\n';
+    if (!out.flush()) return failed(file + ": report: expected to write it, found an unwritable file");
+  }
+  if (json) {
+    fmt::print("{}\n", described->dump(1));
+  } else {
+    print_table(*described, options);
+  }
+  return {};
+}
+
+}  // namespace cairn

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "builder/post_stats.h"
+#include "builder/sample_window.h"
+#include "builder/source_group.h"
+#include "format/height_tile.h"
+
+namespace cairn {
+
+/// How far a tile's surface is from posts.
+struct SurfaceError {
+  double max_m = 0;        ///< over the posts where the surface is defined
+  bool has_holes = false;  ///< a post lies where the surface is void
+};
+
+/// Measures the surface that a tile has at a coarser level against posts: every 2^`levels`-th sample, linear
+/// in between (levels 0 is the tile itself). REQUIRES: 2^levels divides tile.size - 1.
+SurfaceError measure_surface(const HeightTile& tile, double quantum_m, int levels,
+                             const MeasuredPosts& posts);
+
+/// Which of a tile's posts are the tile's to count, so that each post is counted once: those on its west and
+/// south edges, and on the others where no tile lies beyond.
+struct PostCounting {
+  SampleWindow window;
+  bool count_east = false;
+  bool count_north = false;
+  bool count_north_west = false;  ///< the corner alone
+  bool count_north_east = false;  ///< the corner alone
+
+  bool counts(double x, double y) const {
+    const bool east = x >= window.columns - 1;
+    const bool north = y >= window.rows - 1;
+    if (!east && !north) return true;
+    if (east && north) return count_north_east;
+    if (north && x <= 0) return count_north_west;
+    return east ? count_east : count_north;
+  }
+  LonLat place(double x, double y) const {
+    return {(static_cast<double>(window.column) + x) / window.samples_per_degree - 180.0,
+            (static_cast<double>(window.row) + y) / window.samples_per_degree - 90.0};
+  }
+};
+
+/// The same, every post's error also counted in `stats` if the post is this tile's to count.
+SurfaceError measure_surface(const HeightTile& tile, double quantum_m, int levels, const MeasuredPosts& posts,
+                             const PostCounting& counting, PostStats& stats);
+
+}  // namespace cairn

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "builder/baked_tile.h"
+#include "format/file.h"
+#include "format/pack_layout.h"
+#include "format/status.h"
+
+namespace cairn {
+
+/// What one task of a bake added to the pack.
+struct UnitRecord {
+  std::vector<IndexEntry> entries;  ///< in the order in which they were added
+  BakedTile root;                   ///< of the unit's subtree
+  std::uint64_t end = 0;            ///< of the record in its journal
+};
+
+/// The record of a bake that is under way, `TARGET.journal`: one checked record a unit, so that an
+/// interrupted bake can go on after the last one. Removed when the pack is whole.
+class Journal {
+ public:
+  /// The file's name for a target.
+  static std::filesystem::path path_for(const std::filesystem::path& target);
+
+  /// Starts anew. `fingerprint` stands for the inputs and options: records of another bake are never mixed
+  /// in.
+  static Result<Journal> create(const std::filesystem::path& target, std::uint64_t fingerprint);
+
+  /// Goes on after the last of these records; everything after it is cut off. REQUIRES: not empty, from
+  /// read().
+  static Result<Journal> reopen(const std::filesystem::path& target, const std::vector<UnitRecord>& records);
+
+  /// The records of an interrupted bake with this fingerprint, up to the first that is not whole; empty where
+  /// there is no journal or it belongs to another bake.
+  static std::vector<UnitRecord> read(const std::filesystem::path& target, std::uint64_t fingerprint,
+                                      int tile_size);
+
+  Status append(const UnitRecord& record);
+
+ private:
+  explicit Journal(File file) : file_(std::move(file)) {}
+  File file_;
+  std::uint64_t end_ = 0;
+};
+
+}  // namespace cairn

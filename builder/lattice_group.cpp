@@ -1,0 +1,191 @@
+#include "builder/lattice_group.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace cairn {
+namespace {
+
+constexpr float kNoHeight = std::numeric_limits<float>::quiet_NaN();
+constexpr std::int64_t kNeverWraps = std::int64_t{1} << 40;
+
+IndexRange range_of(std::int64_t first, int count) {
+  return {first, first + count - 1};
+}
+
+// Posts at or beyond the window's first sample, and at or before its last.
+IndexRange posts_within(const AxisPositions& positions, IndexRange samples) {
+  const std::int64_t first = positions.first_post_from(samples.first);
+  std::int64_t last = positions.first_post_from(samples.last);
+  if (positions.position(last) > static_cast<double>(samples.last)) --last;
+  return {first, last};
+}
+
+IndexRange hull(IndexRange a, IndexRange b) {
+  if (b.count() <= 0) return a;
+  return {std::min(a.first, b.first), std::max(a.last, b.last)};
+}
+
+std::vector<IndexWindow> extents_of(const SourcePool& pool,
+                                    const std::vector<LatticeGroup::Member>& members) {
+  std::vector<IndexWindow> extents;
+  for (const auto& m : members) {
+    const RasterInfo& info = pool.info(m.source);
+    extents.push_back({{m.placement.i0, m.placement.i0 + info.columns - 1},
+                       {m.placement.j0, m.placement.j0 + info.rows - 1}});
+  }
+  return extents;
+}
+
+}  // namespace
+
+LatticeGroup::LatticeGroup(SourcePool& pool, const Geoid* geoid, const Lattice& lattice,
+                           std::vector<Member> members, int native_level, double samples_per_degree,
+                           ResampleMethod method)
+    : pool_(pool),
+      geoid_(geoid),
+      lattice_(lattice),
+      members_(std::move(members)),
+      lon_(lattice.lon, samples_per_degree, method),
+      lat_(lattice.lat, samples_per_degree, method),
+      lon_positions_(lattice.lon, samples_per_degree),
+      lat_positions_(lattice.lat, samples_per_degree),
+      around_(lattice.posts_around().value_or(kNeverWraps)),
+      fill_(extents_of(pool, members_), around_,
+            [this](IndexRange columns, IndexRange rows) { return read_posts(columns, rows); }) {
+  assert(members_.size() < PostBlock::kVoid - 1u);
+  native_level_ = native_level;
+  spacing_degrees_ = 1.0 / std::min(lattice.lon.posts_per_degree, lattice.lat.posts_per_degree);
+  posts_on_samples_ = lon_positions_.all_posts_on_samples() && lat_positions_.all_posts_on_samples();
+  for (const Member& m : members_) {
+    const RasterInfo& info = pool.info(m.source);
+    const std::int64_t east =
+        info.columns == around_ ? m.placement.i0 + around_ : m.placement.i0 + info.columns - 1;
+    footprint_.add({lattice.lon_of(m.placement.i0), lattice.lat_of(m.placement.j0), lattice.lon_of(east),
+                    lattice.lat_of(m.placement.j0 + info.rows - 1)});
+    sources_.push_back(m.source);
+  }
+}
+
+// Copies the member's posts, shifted by `turn` posts around the Earth, to where the block has no value yet.
+Status LatticeGroup::read_member(std::size_t member, std::int64_t turn, PostBlock& block) const {
+  const LatticePlacement& place = members_[member].placement;
+  const RasterInfo& info = pool_.info(members_[member].source);
+  const std::int64_t west = std::max(block.i0, place.i0 + turn);
+  const std::int64_t east = std::min(block.i0 + block.columns, place.i0 + turn + info.columns);
+  const std::int64_t south = std::max(block.j0, place.j0);
+  const std::int64_t north = std::min(block.j0 + block.rows, place.j0 + info.rows);
+  if (west >= east || south >= north) return {};
+
+  const auto source = pool_.acquire(members_[member].source);
+  if (!source) return source.error();
+  const std::int64_t first_row = place.north_up ? place.j0 + info.rows - north : south - place.j0;
+  const PostWindow window{west - place.i0 - turn, first_row, east - west, north - south};
+  std::vector<float> read(static_cast<std::size_t>(window.columns * window.rows));
+  if (auto status = (*source)->read_heights(window, read); !status) return status;
+
+  const auto owner = static_cast<std::uint16_t>(member + 1);
+  for (std::int64_t j = south; j < north; ++j) {
+    const std::int64_t file_row = place.north_up ? north - 1 - j : j - south;
+    const float* from = read.data() + file_row * window.columns;
+    const std::size_t to = block.index(static_cast<int>(west - block.i0), static_cast<int>(j - block.j0));
+    for (std::size_t c = 0; c < static_cast<std::size_t>(window.columns); ++c) {
+      std::uint16_t& current = block.owners[to + c];
+      if (PostBlock::has_value(current)) continue;
+      current = std::isnan(from[c]) ? PostBlock::kVoid : owner;
+      block.heights[to + c] = from[c];
+    }
+  }
+  return {};
+}
+
+Result<PostBlock> LatticeGroup::read_posts(IndexRange columns, IndexRange rows) const {
+  PostBlock block{
+      columns.first, rows.first, static_cast<int>(columns.count()), static_cast<int>(rows.count()), {}, {}};
+  const std::size_t count = static_cast<std::size_t>(block.columns) * static_cast<std::size_t>(block.rows);
+  block.heights.assign(count, kNoHeight);
+  block.owners.assign(count, PostBlock::kOutside);
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    for (const std::int64_t turn : {-around_, std::int64_t{0}, around_}) {
+      if (auto status = read_member(m, turn, block); !status) return status.error();
+    }
+  }
+  if (geoid_ == nullptr) return block;
+  for (int r = 0; r < block.rows; ++r) {
+    for (int c = 0; c < block.columns; ++c) {
+      const LonLat place{lattice_.lon_of(block.i0 + c), lattice_.lat_of(block.j0 + r)};
+      block.heights[block.index(c, r)] += static_cast<float>(geoid_->undulation(place));
+    }
+  }
+  return block;
+}
+
+std::vector<SampleState> LatticeGroup::states_of(const SampleWindow& window, const PostBlock& block) const {
+  const auto best_of = [&](IndexRange columns, IndexRange rows) {
+    SampleState best = SampleState::none;
+    for (std::int64_t j = rows.first; j <= rows.last; ++j) {
+      for (std::int64_t i = columns.first; i <= columns.last; ++i) {
+        const std::uint16_t owner =
+            block.owners[block.index(static_cast<int>(i - block.i0), static_cast<int>(j - block.j0))];
+        if (PostBlock::has_value(owner)) return SampleState::sourced;
+        if (owner == PostBlock::kVoid) best = SampleState::filled;
+      }
+    }
+    return best;
+  };
+  const auto around = [](const AxisPositions& positions, std::int64_t sample) {
+    const std::int64_t next = positions.first_post_from(sample);
+    return positions.is_on_post(sample) ? IndexRange{next, next} : IndexRange{next - 1, next};
+  };
+  std::vector<IndexRange> columns;
+  for (int c = 0; c < window.columns; ++c) columns.push_back(around(lon_positions_, window.column + c));
+  std::vector<SampleState> states;
+  states.reserve(window.count());
+  for (int r = 0; r < window.rows; ++r) {
+    const IndexRange rows = around(lat_positions_, window.row + r);
+    for (const IndexRange& range : columns) states.push_back(best_of(range, rows));
+  }
+  return states;
+}
+
+MeasuredPosts LatticeGroup::posts_of(const SampleWindow& window, const PostBlock& block) const {
+  const IndexRange columns = posts_within(lon_positions_, range_of(window.column, window.columns));
+  const IndexRange rows = posts_within(lat_positions_, range_of(window.row, window.rows));
+  MeasuredPosts posts;
+  for (std::int64_t i = columns.first; i <= columns.last; ++i) {
+    posts.xs.push_back(lon_positions_.position(i) - static_cast<double>(window.column));
+  }
+  for (std::int64_t j = rows.first; j <= rows.last; ++j) {
+    posts.ys.push_back(lat_positions_.position(j) - static_cast<double>(window.row));
+    for (std::int64_t i = columns.first; i <= columns.last; ++i) {
+      const std::size_t at = block.index(static_cast<int>(i - block.i0), static_cast<int>(j - block.j0));
+      posts.heights.push_back(PostBlock::has_value(block.owners[at]) ? block.heights[at] : kNoHeight);
+      posts.owners.push_back(block.owners[at]);
+    }
+  }
+  return posts;
+}
+
+Result<GroupSamples> LatticeGroup::sample(const SampleWindow& window) const {
+  const IndexRange columns = range_of(window.column, window.columns);
+  const IndexRange rows = range_of(window.row, window.rows);
+  const IndexWindow wanted{hull(lon_.posts_for(columns), posts_within(lon_positions_, columns)),
+                           hull(lat_.posts_for(rows), posts_within(lat_positions_, rows))};
+  auto block = read_posts(wanted.x, wanted.y);
+  if (!block) return block.error();
+
+  GroupSamples samples;
+  samples.posts = posts_of(window, *block);
+  const bool complete = std::all_of(block->owners.begin(), block->owners.end(), PostBlock::has_value);
+  if (!complete) {
+    samples.states = states_of(window, *block);
+    if (auto status = fill_.complete(*block); !status) return status.error();
+  }
+  samples.heights.resize(window.count());
+  resample_regular(lon_, lat_, {wanted.x, wanted.y}, block->heights, {columns, rows}, samples.heights);
+  return samples;
+}
+
+}  // namespace cairn

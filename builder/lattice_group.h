@@ -1,0 +1,55 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "builder/axis_positions.h"
+#include "builder/axis_resampler.h"
+#include "builder/geoid.h"
+#include "builder/lattice.h"
+#include "builder/lattice_fill.h"
+#include "builder/post_block.h"
+#include "builder/resample.h"
+#include "builder/source_group.h"
+#include "builder/source_pool.h"
+
+namespace cairn {
+
+/// Rasters whose posts lie on one lat/long lattice, mosaicked post by post: the first member that has a value
+/// wins.
+class LatticeGroup final : public SourceGroup {
+ public:
+  struct Member {
+    std::size_t source = 0;  ///< in the pool
+    LatticePlacement placement;
+  };
+
+  /// REQUIRES: all members on `lattice`, at most 65533 of them; pool and geoid (may be null) outlive the
+  /// group; the method is well conditioned at this density.
+  LatticeGroup(SourcePool& pool, const Geoid* geoid, const Lattice& lattice, std::vector<Member> members,
+               int native_level, double samples_per_degree, ResampleMethod method);
+
+  Result<GroupSamples> sample(const SampleWindow& window) const override;
+
+  /// The mosaic's posts before voids are filled, wrapped around the Earth.
+  Result<PostBlock> read_posts(IndexRange columns, IndexRange rows) const;
+
+ private:
+  Status read_member(std::size_t member, std::int64_t turn, PostBlock& block) const;
+  std::vector<SampleState> states_of(const SampleWindow& window, const PostBlock& block) const;
+  MeasuredPosts posts_of(const SampleWindow& window, const PostBlock& block) const;
+
+  SourcePool& pool_;
+  const Geoid* geoid_;
+  Lattice lattice_;
+  std::vector<Member> members_;
+  AxisResampler lon_;
+  AxisResampler lat_;
+  AxisPositions lon_positions_;
+  AxisPositions lat_positions_;
+  std::int64_t
+      around_;  ///< posts around the Earth; so many that nothing wraps where 360 degrees are no whole number
+  LatticeFill fill_;
+};
+
+}  // namespace cairn

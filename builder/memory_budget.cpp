@@ -1,0 +1,45 @@
+#include "builder/memory_budget.h"
+
+#include <algorithm>
+
+#include <sys/resource.h>
+
+namespace cairn {
+namespace {
+
+constexpr std::size_t kMiB = std::size_t{1} << 20;
+constexpr std::size_t kProgram = 56 * kMiB;  // code and libraries, measured on an idle start
+constexpr std::size_t kLeastCache = 16 * kMiB;
+
+// Tiles alive at once, in a thread: a leaf's samples and posts, its pyramid, the blocks of two units.
+std::size_t for_thread(int tile_size) {
+  return static_cast<std::size_t>(tile_size) * static_cast<std::size_t>(tile_size) * 64;
+}
+
+// The serial end: a tile for each level up to the whole Earth.
+std::size_t for_tree(int tile_size) {
+  return static_cast<std::size_t>(tile_size) * static_cast<std::size_t>(tile_size) * 5 * 12;
+}
+
+std::size_t fixed(int threads, int tile_size) {
+  return kProgram + static_cast<std::size_t>(threads) * for_thread(tile_size) + for_tree(tile_size);
+}
+
+}  // namespace
+
+MemoryBudget divide_memory(std::size_t memory_bytes, int threads, int tile_size) {
+  const std::size_t needed = fixed(threads, tile_size);
+  return {std::max(kLeastCache, memory_bytes > needed ? memory_bytes - needed : 0)};
+}
+
+std::size_t least_memory(int threads, int tile_size) {
+  return fixed(threads, tile_size) + kLeastCache;
+}
+
+std::size_t peak_resident_bytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace cairn

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+
+namespace cairn {
+
+/// How a bake divides its memory.
+struct MemoryBudget {
+  std::size_t cache_bytes = 0;  ///< decoded strips and tiles of the sources
+};
+
+/// What the program itself, the tiles in flight and the tree above them need comes first; the sources' caches
+/// get the rest, and never less than 16 MiB.
+MemoryBudget divide_memory(std::size_t memory_bytes, int threads, int tile_size);
+
+/// The least that a bake can promise to stay under.
+std::size_t least_memory(int threads, int tile_size);
+
+/// The most that the program has held so far, in bytes, as the kernel counts it (VmHWM).
+std::size_t peak_resident_bytes();
+
+}  // namespace cairn

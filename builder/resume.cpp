@@ -1,0 +1,82 @@
+#include "builder/resume.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "format/checksum.h"
+#include "format/file.h"
+
+namespace cairn {
+namespace {
+
+bool block_is_whole(const File& part, std::uint64_t part_bytes, const IndexEntry& entry,
+                    std::vector<std::byte>& buffer) {
+  if (entry.offset > part_bytes || entry.bytes > part_bytes - entry.offset) return false;
+  buffer.resize(entry.bytes);
+  return part.read(entry.offset, buffer).ok() && checksum(buffer) == entry.checksum;
+}
+
+// The units, from the first on, whose blocks are all in the unfinished pack.
+std::vector<UnitRecord> whole_units(const std::filesystem::path& part_path, std::vector<UnitRecord> records) {
+  const auto part = File::open_to_read(part_path);
+  if (!part) return {};
+  const auto size = part->size();
+  if (!size) return {};
+  std::vector<std::byte> buffer;
+  const auto damaged = std::find_if(records.begin(), records.end(), [&](const UnitRecord& record) {
+    return !std::all_of(record.entries.begin(), record.entries.end(),
+                        [&](const IndexEntry& e) { return block_is_whole(*part, *size, e, buffer); });
+  });
+  records.erase(damaged, records.end());
+  return records;
+}
+
+}  // namespace
+
+Result<std::vector<std::uint64_t>> hash_inputs(const BuildOptions& options) {
+  std::vector<std::filesystem::path> paths = options.inputs;
+  if (options.geoid) paths.push_back(*options.geoid);
+  return hash_files(paths);
+}
+
+Result<Work> begin_or_resume(const BuildOptions& options, const PackHeader& header,
+                             const std::vector<std::uint64_t>& input_hashes) {
+  const std::uint64_t print = fingerprint(describe_options(options), input_hashes);
+  std::vector<UnitRecord> done;
+  if (options.resume) {
+    done = whole_units(std::filesystem::path(options.target).concat(".part"),
+                       Journal::read(options.target, print, options.tile_size));
+  }
+  std::vector<IndexEntry> entries;
+  for (const UnitRecord& record : done)
+    entries.insert(entries.end(), record.entries.begin(), record.entries.end());
+
+  auto writer = done.empty() ? PackWriter::create(options.target, header)
+                             : PackWriter::reopen(options.target, header, entries);
+  if (!writer) return writer.error();
+  auto journal =
+      done.empty() ? Journal::create(options.target, print) : Journal::reopen(options.target, done);
+  if (!journal) {
+    writer->abandon();
+    return journal.error();
+  }
+  const bool resumed = !done.empty();
+  return Work{std::move(*writer), std::move(*journal), std::move(done), resumed};
+}
+
+Error discard(const BuildOptions& options, Work& work, Error error) {
+  if (options.resume) {
+    error.message += "; --resume goes on from here";
+    return error;
+  }
+  work.writer.abandon();
+  remove_journal(options.target);
+  return error;
+}
+
+void remove_journal(const std::filesystem::path& target) {
+  std::error_code ignored;
+  std::filesystem::remove(Journal::path_for(target), ignored);
+}
+
+}  // namespace cairn
