@@ -1,0 +1,29 @@
+#include "runtime/view_state.h"
+
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+
+#include "runtime/geodesy.h"
+
+namespace cairn {
+
+CameraFrame camera_frame(const ViewState& view) {
+  const LocalFrame local = local_frame(view.eye);
+  const double heading = glm::radians(view.heading_deg);
+  const double pitch = glm::radians(view.pitch_deg);
+  const double roll = glm::radians(view.roll_deg);
+  const glm::dvec3 ahead = std::cos(heading) * local.north + std::sin(heading) * local.east;
+  const glm::dvec3 right = std::cos(heading) * local.east - std::sin(heading) * local.north;
+  const glm::dvec3 forward = std::cos(pitch) * ahead + std::sin(pitch) * local.up;
+  const glm::dvec3 up = std::cos(pitch) * local.up - std::sin(pitch) * ahead;
+  return {to_geocentric(view.eye, view.height_m), std::cos(roll) * right - std::sin(roll) * up,
+          std::cos(roll) * up + std::sin(roll) * right, forward};
+}
+
+double pixel_footprint_m(const ViewState& view, double distance_m) {
+  return 2 * distance_m * std::tan(glm::radians(view.fov_y_deg) / 2) / view.viewport_height_px;
+}
+
+}  // namespace cairn

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include "format/geo.h"
+
+namespace cairn {
+
+/// Where the eye is, where it looks, and through what. Plain data, all in double.
+struct ViewState {
+  LonLat eye;                    ///< any longitude; latitude within ±90
+  double height_m = 0;           ///< above the ellipsoid
+  double heading_deg = 0;        ///< clockwise from north
+  double pitch_deg = 0;          ///< up from the horizontal; -90 looks straight down
+  double roll_deg = 0;           ///< clockwise, as the pilot sees it
+  double fov_y_deg = 60;         ///< between the top and the bottom of the picture; 0 < fov < 180
+  int viewport_width_px = 1920;  ///< > 0
+  int viewport_height_px = 1080;
+};
+
+/// The camera in geocentric metres: unit vectors, right-handed with the eye looking along `forward`.
+struct CameraFrame {
+  glm::dvec3 position;
+  glm::dvec3 right;
+  glm::dvec3 up;
+  glm::dvec3 forward;
+};
+CameraFrame camera_frame(const ViewState& view);
+
+/// The width, in metres, of a pixel's footprint on a plane at this distance square to the view, by
+/// similar triangles: 2·d·tan(fov/2)/height.
+double pixel_footprint_m(const ViewState& view, double distance_m);
+
+}  // namespace cairn
