@@ -26,4 +26,13 @@ Summary summarize(std::vector<double> samples) {
           nearest_rank(samples, 99)};
 }
 
+void RecentSamples::add(double sample) {
+  if (samples_.size() < kKept) {
+    samples_.push_back(sample);
+  } else {
+    samples_[next_] = sample;
+  }
+  next_ = (next_ + 1) % kKept;
+}
+
 }  // namespace cairn

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <optional>
+
+#include "format/geo.h"
+#include "format/height_tile.h"
+#include "format/tile_id.h"
+
+namespace cairn {
+
+/// The height of the tile's bilinear surface at a place, in metres; nullopt where a sample that it needs is
+/// void. REQUIRES: the place, its longitude wrapped, lies in the tile `id`, whose samples these are.
+std::optional<double> ground_height_m(const HeightTile& tile, const TileId& id, double quantum_m,
+                                      LonLat place);
+
+}  // namespace cairn

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "format/height_tile.h"
+#include "format/pack_layout.h"
+#include "format/texture_tile.h"
+
+namespace cairn {
+
+/// What names a tile of a pack: the scene map's address and the layer.
+struct TileKey {
+  Layer layer = Layer::heights;
+  TileId id;
+
+  friend auto operator<=>(const TileKey&, const TileKey&) = default;
+};
+
+inline TileKey key_of(const IndexEntry& entry) {
+  return {entry.layer, entry.id};
+}
+
+/// A decoded tile, immutable, so that any thread may read it for as long as it holds the pointer.
+struct LoadedTile {
+  std::shared_ptr<const HeightTile> heights;   ///< of Layer::heights, else null
+  std::shared_ptr<const TextureTile> texture;  ///< of Layer::imagery, else null
+
+  /// Bytes of memory that it holds: what its vectors have allocated.
+  std::uint64_t bytes() const;
+};
+
+/// Bytes of memory that the decoded tile will hold at most, known before it is read.
+std::uint64_t decoded_bytes_bound(const IndexEntry& entry, int tile_size);
+
+}  // namespace cairn
+
+template <>
+struct std::hash<cairn::TileKey> {
+  std::size_t operator()(const cairn::TileKey& key) const noexcept {
+    return std::hash<cairn::TileId>{}(key.id) * 31 + static_cast<std::size_t>(key.layer);
+  }
+};

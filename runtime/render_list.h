@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "format/status.h"
+#include "runtime/cover.h"
+#include "runtime/frame_stats.h"
+
+namespace cairn {
+
+/// One area to draw, and the data that shows it. Where the data is a coarser tile's, the area is a window of
+/// it.
+struct RenderTile {
+  TileId area;
+  TileId heights_id;                           ///< the area or an ancestor
+  std::shared_ptr<const HeightTile> heights;   ///< null where the pack has no heights: draw nothing
+  TileId imagery_id;                           ///< the area or an ancestor
+  std::shared_ptr<const TextureTile> imagery;  ///< null where the pack has no imagery
+  float geometric_error_m = 0;                 ///< of the height tile
+  BoundingVolume volume;
+  bool visible = false;   ///< false: certainly outside the picture or below the horizon
+  double distance_m = 0;  ///< from the eye to the volume
+};
+
+/// What to draw in a frame. The tiles cover the Earth, each place once, those that are not visible included.
+struct RenderList {
+  std::vector<RenderTile> tiles;
+  std::uint64_t version = 0;     ///< the same as before: the same areas show the same data
+  bool is_complete = false;      ///< this is the scene map of the eye; otherwise something is being loaded
+  std::vector<TileKey> evicted;  ///< no longer in memory since the last update: drop what was made of them
+  std::vector<Error> errors;     ///< tiles found damaged or unreadable since the last update, each once
+};
+
+}  // namespace cairn

@@ -1,0 +1,214 @@
+#include "runtime/terrain.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <string>
+
+#include <glm/geometric.hpp>
+
+#include "runtime/eye_tile.h"
+#include "runtime/geodesy.h"
+#include "runtime/ground_height.h"
+#include "runtime/motion.h"
+#include "runtime/pack_contents.h"
+#include "runtime/pager.h"
+
+namespace cairn {
+namespace {
+
+Error out_of_range(const char* option, const std::string& expected, const std::string& found) {
+  return usage_error(std::string("terrain options: ") + option + ": expected " + expected + ", found " +
+                     found);
+}
+
+Status check(const TerrainOptions& o, const PackContents& contents) {
+  if (o.workers < 1 || o.workers > 64) {
+    return out_of_range("workers", "1 to 64", std::to_string(o.workers));
+  }
+  if (o.marking == Marking::nine || o.marking == Marking::window) {
+    return out_of_range("marking", "one that covers the Earth", std::string(to_string(o.marking)));
+  }
+  for (const double margin : {o.tile_margin, o.level_margin}) {
+    if (!(margin >= 0 && margin < 1)) return out_of_range("margin", "0 to 1", std::to_string(margin));
+  }
+  if (!(o.look_ahead_s >= 0))
+    return out_of_range("look_ahead_s", "0 or more", std::to_string(o.look_ahead_s));
+  const std::uint64_t least = Pager::least_bytes(contents, o.workers);
+  if (o.cache_bytes < least) {
+    return out_of_range("cache_bytes", std::to_string(least) + " or more", std::to_string(o.cache_bytes));
+  }
+  return {};
+}
+
+}  // namespace
+
+struct Terrain::State {
+  State(std::shared_ptr<const PackReader> pack, const TerrainOptions& o, ReadTile read)
+      : options(o),
+        contents(std::move(pack)),
+        occluder(contents.lowest_m()),
+        eye(o.tile_margin, o.level_margin),
+        eye_ahead(o.tile_margin, o.level_margin),
+        pager(contents, std::move(read), occluder, {o.cache_bytes, o.delivery_bytes, o.workers}) {}
+
+  TileId eye_tile_for(EyeTile& held, const ViewState& view) const;
+  Cover cover_for(const TileId& eye_tile) const;
+  void aim(const TileId& eye_tile);
+  void look_ahead(const ViewState& view, double dt_s);
+  void list_tiles();
+  void count_holes();
+
+  const TerrainOptions options;
+  PackContents contents;
+  const Occluder occluder;
+  EyeTile eye;
+  EyeTile eye_ahead;
+  Motion motion;
+  std::optional<TileId> aimed_at;
+  std::optional<TileId> looked_at;
+  std::uint64_t damage_seen = 0;
+  std::vector<IndexEntry> wanted;  // what the aimed cover shows, sorted by key
+  PagingStats counts;
+  bool any_shown = false;
+  RenderList list;
+  Pager pager;
+};
+
+/// Measured from the highest ground that the eye's tile may have, from the index: what is loaded must not
+/// decide the level.
+TileId Terrain::State::eye_tile_for(EyeTile& held, const ViewState& view) const {
+  const double above_ground_m = view.height_m - contents.ceiling_m(view.eye);
+  const double ideal = level_of_a_pixel(view, above_ground_m, contents.pack().header().tile_size);
+  return held.update(view.eye, ideal, kMinLevel, contents.levels().finest);
+}
+
+Cover Terrain::State::cover_for(const TileId& eye_tile) const {
+  const SceneMap map = build_scene_map({eye_tile, kMinLevel, options.marking},
+                                       [this](const TileId& id) { return contents.shows(id); });
+  Cover cover;
+  cover.reserve(map.size());
+  for (const SceneTile& tile : map) cover.push_back(make_cover_tile(tile.area, contents, occluder));
+  std::sort(cover.begin(), cover.end(),
+            [](const CoverTile& a, const CoverTile& b) { return depth_first_before(a.area, b.area); });
+  return cover;
+}
+
+void Terrain::State::aim(const TileId& eye_tile) {
+  if (aimed_at == eye_tile && damage_seen == pager.damage_version()) return;
+  counts.moves += aimed_at != eye_tile;
+  aimed_at = eye_tile;
+  looked_at.reset();
+  damage_seen = pager.damage_version();
+  Cover cover = cover_for(eye_tile);
+  for (TileId coarser = eye_tile; !pager.fits(cover) && coarser.level > kMinLevel;) {
+    coarser = parent_of(coarser);
+    cover = cover_for(coarser);
+  }
+  pager.set_target(std::move(cover));
+}
+
+void Terrain::State::look_ahead(const ViewState& view, double dt_s) {
+  const double reach_m = 4 * tile_width_degrees(aimed_at->level) * 111e3;
+  const ViewState there = motion.predict(view, dt_s, options.look_ahead_s, reach_m);
+  const TileId tile = eye_tile_for(eye_ahead, there);
+  if (looked_at == tile) return;
+  looked_at = tile;
+  std::vector<IndexEntry> ahead;
+  if (tile != *aimed_at) {
+    for (const CoverTile& place : cover_for(tile)) {
+      place.for_each_source([&](const IndexEntry& entry) { ahead.push_back(entry); });
+    }
+  }
+  pager.set_ahead(std::move(ahead));
+}
+
+void Terrain::State::list_tiles() {
+  list.version = pager.drawn_version();
+  list.tiles.clear();
+  for (const CoverTile& place : pager.drawn()) {
+    RenderTile tile;
+    tile.area = tile.heights_id = tile.imagery_id = place.area;
+    tile.volume = place.volume;
+    if (place.heights) {
+      tile.heights_id = place.heights->id;
+      tile.geometric_error_m = place.heights->geometric_error_m;
+      if (const LoadedTile* loaded = pager.find(*place.heights)) tile.heights = loaded->heights;
+    }
+    if (place.imagery) {
+      tile.imagery_id = place.imagery->id;
+      if (const LoadedTile* loaded = pager.find(*place.imagery)) tile.imagery = loaded->texture;
+    }
+    list.tiles.push_back(std::move(tile));
+  }
+  count_holes();
+}
+
+void Terrain::State::count_holes() {
+  std::uint64_t holes = 0;
+  for (const RenderTile& tile : list.tiles) {
+    any_shown = any_shown || tile.heights;
+    holes += !tile.heights && contents.nearest(Layer::heights, tile.area).has_value();
+  }
+  if (any_shown) counts.holes += holes;
+}
+
+Terrain::Terrain(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Terrain::Terrain(Terrain&&) noexcept = default;
+Terrain& Terrain::operator=(Terrain&&) noexcept = default;
+Terrain::~Terrain() = default;
+
+Result<Terrain> Terrain::open(std::shared_ptr<const PackReader> pack, const TerrainOptions& options) {
+  ReadTile read = read_from(pack);
+  return open(std::move(pack), options, std::move(read));
+}
+
+Result<Terrain> Terrain::open(std::shared_ptr<const PackReader> pack, const TerrainOptions& options,
+                              ReadTile read) {
+  assert(pack != nullptr);
+  if (const Status status = check(options, PackContents(pack)); !status) return status.error();
+  return Terrain(std::make_unique<State>(std::move(pack), options, std::move(read)));
+}
+
+const RenderList& Terrain::update(const ViewState& view, double dt_s) {
+  assert(dt_s >= 0);
+  State& s = *state_;
+  s.aim(s.eye_tile_for(s.eye, view));  // 1. which map the eye wants
+  s.look_ahead(view, dt_s);            // 2. which it may want next
+  s.pager.advance();                   // 3. what has come in, replaces what it can
+  if (s.list.version != s.pager.drawn_version()) s.list_tiles();
+  const ViewVolume volume(view, s.occluder);
+  s.pager.request(volume);                 // 4. what is missing, asked for
+  for (RenderTile& tile : s.list.tiles) {  // 5. what of the map can be seen
+    tile.visible = volume.sees(tile.volume);
+    tile.distance_m = tile.volume.distance_m(volume.eye());
+  }
+  s.list.is_complete = s.pager.is_settled();
+  s.list.evicted = s.pager.take_evicted();
+  s.list.errors = s.pager.take_errors();
+  ++s.counts.updates;
+  s.counts.updates_behind += !s.list.is_complete;
+  return s.list;
+}
+
+std::optional<double> Terrain::ground_height_m(LonLat place) const {
+  for (const RenderTile& tile : state_->list.tiles) {
+    if (tile_at(place, tile.area.level) != tile.area) continue;
+    if (!tile.heights) return std::nullopt;
+    return cairn::ground_height_m(*tile.heights, tile.heights_id, state_->contents.pack().header().quantum_m,
+                                  place);
+  }
+  return std::nullopt;
+}
+
+TileId Terrain::eye_tile() const {
+  return state_->aimed_at.value_or(TileId{kMinLevel, 0, 0});
+}
+
+PagingStats Terrain::stats() const {
+  PagingStats stats = state_->counts;
+  state_->pager.add_to(stats);
+  return stats;
+}
+
+}  // namespace cairn

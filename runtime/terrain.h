@@ -1,0 +1,70 @@
+#pragma once
+
+// START HERE: open a pack as a Terrain, call update() once a frame, draw the RenderList.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "format/pack_reader.h"
+#include "format/status.h"
+#include "runtime/render_list.h"
+#include "runtime/scene_map.h"
+#include "runtime/tile_loader.h"
+#include "runtime/view_state.h"
+
+namespace cairn {
+
+struct TerrainOptions {
+  std::uint64_t cache_bytes = 512u << 20;   ///< a hard limit on what tiles take in memory, loading included
+  std::uint64_t delivery_bytes = 8u << 20;  ///< of new tiles a frame, at least one tile
+  int workers = 2;                          ///< threads that read and decode; 1…64
+  Marking marking = Marking::restricted;    ///< not nine or window, which leave most of the Earth bare
+  double tile_margin = 0.125;               ///< hysteresis, see EyeTile; 0 for none
+  double level_margin = 0.25;
+  double look_ahead_s = 2;  ///< what lies this far along the flight is loaded next; 0 for nothing
+};
+
+/// The terrain of one pack as a program sees it that flies over it. Knows no graphics.
+///
+/// update() never waits for a disk. Whatever is asked for and however slow or broken the disk is, what it
+/// returns covers the Earth without overlaps, with data that is in memory, and after the first tile has come
+/// no place that the pack covers is ever without data again. If the eye rests, the result becomes the scene
+/// map of the eye, the same whatever happened before, except for tiles that could not be read.
+///
+/// Where the scene map does not fit the byte budget, a map of a coarser finest level is drawn.
+///
+/// Threads: a Terrain belongs to one thread, usually the one that renders. docs/runtime-threads.md has the
+/// rules.
+class Terrain {
+ public:
+  /// usage where an option is out of range or the budget is too small to work with, naming the least.
+  static Result<Terrain> open(std::shared_ptr<const PackReader> pack, const TerrainOptions& options = {});
+
+  /// The same with another way to read tiles, for programs that fetch them from elsewhere. `read` is called
+  /// from the worker threads.
+  static Result<Terrain> open(std::shared_ptr<const PackReader> pack, const TerrainOptions& options,
+                              ReadTile read);
+
+  Terrain(Terrain&&) noexcept;
+  Terrain& operator=(Terrain&&) noexcept;
+  ~Terrain();  ///< waits for the reads in progress, one a worker at most
+
+  /// Call once a frame; `dt_s` >= 0 is the time since the last call. The list holds until the next call.
+  const RenderList& update(const ViewState& view, double dt_s);
+
+  /// The height, above what the pack's heights are measured from, of the ground as it is drawn now; nullopt
+  /// where nothing is or where it is void.
+  std::optional<double> ground_height_m(LonLat place) const;
+
+  /// The eye's tile for which the last update wanted the map.
+  TileId eye_tile() const;
+  PagingStats stats() const;
+
+ private:
+  struct State;
+  explicit Terrain(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cairn
