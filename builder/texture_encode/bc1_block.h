@@ -117,52 +117,99 @@ CAIRN_INLINE Ends extent_ends(const Colours& colours, const Axis& axis) {
   return nearest_ends(wanted);
 }
 
-/// Gives every texel the nearest colour of the line between the ends.
-CAIRN_INLINE Candidate nearest_positions(const Colours& colours, const Ends& ends) {
-  F offset[3], step[3];
-  for (int c = 0; c < 3; ++c) {
-    offset[c] = ends.value[0][c] - colours.mean[c];
-    step[c] = ends.value[1][c] - ends.value[0][c];
-  }
-  const F squared = step[0] * step[0] + step[1] * step[1] + step[2] * step[2];
-  const F scale = 3.0F / max(squared, splat(1.0F));
-  for (int c = 0; c < 3; ++c) step[c] *= scale;
-  const F first = offset[0] * step[0] + offset[1] * step[1] + offset[2] * step[2];
+/// The line between two ends: `steps` steps from end 0 (step 0) to end 1. A deviation c lies c·step + first
+/// along it.
+struct Line {
+  F step[3];
+  F first;
+  F squared;   ///< length, in colour
+  F from_end;  ///< squared distance of end 0 from the mean
+};
 
+CAIRN_INLINE Line line_between(const Colours& colours, const F ends[2][3], int steps) {
+  Line line;
+  F offset[3];
+  for (int c = 0; c < 3; ++c) {
+    offset[c] = ends[0][c] - colours.mean[c];
+    line.step[c] = ends[1][c] - ends[0][c];
+  }
+  line.from_end = offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2];
+  line.squared = line.step[0] * line.step[0] + line.step[1] * line.step[1] + line.step[2] * line.step[2];
+  const F scale = static_cast<float>(steps) / max(line.squared, splat(1.0F));
+  for (F& step : line.step) step *= scale;
+  line.first = -(offset[0] * line.step[0] + offset[1] * line.step[1] + offset[2] * line.step[2]);
+  return line;
+}
+
+/// Where texel i lies, and the nearest whole step to it.
+struct Place {
+  F along, nearest;
+};
+
+CAIRN_INLINE Place place_on(const Line& line, const Colours& colours, int i, int steps) {
+  const F along = colours.channel[0][i] * line.step[0] + colours.channel[1][i] * line.step[1] +
+                  (colours.channel[2][i] * line.step[2] + line.first);
+  return {along, round(clamp(along, 0, static_cast<float>(steps)))};
+}
+
+/// |c − o − n·s|² summed, where the deviations c sum to zero and c·s is known from the projection: `sum` is
+/// Σ n·(n − 2·along).
+CAIRN_INLINE F error_on(const Line& line, const Colours& colours, F sum, int steps) {
+  return colours.variance + 16.0F * line.from_end +
+         sum * line.squared * (1 / static_cast<float>(steps * steps));
+}
+
+/// Gives every texel the nearest of the steps + 1 colours of the line between the ends.
+CAIRN_INLINE Candidate nearest_positions(const Colours& colours, const Ends& ends, int steps = 3) {
+  const Line line = line_between(colours, ends.value, steps);
   Candidate found{ends, {}, {}};
   F sum{};
   for (int i = 0; i < 16; ++i) {
-    const F along = colours.channel[0][i] * step[0] + colours.channel[1][i] * step[1] +
-                    colours.channel[2][i] * step[2] - first;
-    const F position = to_float(truncate(clamp(along + 0.5F, 0, 3)));
-    found.position[i] = position;
-    sum += position * (position - 2.0F * along);
+    const Place place = place_on(line, colours, i, steps);
+    found.position[i] = place.nearest * (3.0F / static_cast<float>(steps));
+    sum += place.nearest * (place.nearest - (place.along + place.along));
   }
-  // |c − o − p·s|² summed, where the deviations c sum to zero and c·s is known from the projection.
-  const F from_end = offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2];
-  found.error = colours.variance + 16.0F * from_end + sum * squared * (1 / 9.0F);
+  found.error = error_on(line, colours, sum, steps);
   return found;
 }
 
-/// The four ways to round a pair of ends, tried against the exact quadratic of one channel's error:
-/// aa·a² + bb·b² + 2ab·a·b − 2(a·ca + b·cb).
-struct Quadratic {
-  F aa, bb, ab, ca, cb;
+/// The error of nearest_positions() alone.
+CAIRN_INLINE F least_error(const Colours& colours, const F ends[2][3]) {
+  const Line line = line_between(colours, ends, 3);
+  F sum{};
+  for (int i = 0; i < 16; ++i) {
+    const Place place = place_on(line, colours, i, 3);
+    sum += place.nearest * (place.nearest - (place.along + place.along));
+  }
+  return error_on(line, colours, sum, 3);
+}
+
+/// What a block's positions mean for the ends: Σ(1−t)², Σt², Σt(1−t) with t = position/3 in 0..1, and Σt·c in
+/// each channel, where c are the deviations from the mean.
+struct Weights {
+  F aa, bb, ab;
+  F products[3];
 };
 
-CAIRN_INLINE void round_pair(const Quadratic& q, F a, F b, int channel, Ends& ends) {
+/// Of the four ways to round a pair of ends, the one with the least error aa·a² + bb·b² + 2ab·a·b + 2(a −
+/// b)·Σt·c, where a, b are the ends' deviations from the mean. Returns that error, which lacks Σc².
+CAIRN_INLINE F round_pair(const Weights& weights, F mean, F a, F b, int channel, Ends& ends) {
   const float steps = static_cast<float>((1 << kChannelBits[channel]) - 1);
-  const I low_a = truncate(clamp(a * (steps / 255), 0, steps - 1));
-  const I low_b = truncate(clamp(b * (steps / 255), 0, steps - 1));
+  const I low_a = truncate(clamp((mean + a) * (steps / 255), 0, steps - 1));
+  const I low_b = truncate(clamp((mean + b) * (steps / 255), 0, steps - 1));
+  const F twice_product = 2.0F * weights.products[channel];
   F least = splat(1e30F);
   for (int up_a = 0; up_a < 2; ++up_a) {
     const I stored_a = low_a + up_a;
     const F value_a = to_float(widen(stored_a, channel));
-    const F part = value_a * (q.aa * value_a - 2.0F * q.ca);
+    const F off_a = value_a - mean;
+    const F part = off_a * (weights.aa * off_a + twice_product);
+    const F slope = 2.0F * weights.ab * off_a - twice_product;
     for (int up_b = 0; up_b < 2; ++up_b) {
       const I stored_b = low_b + up_b;
       const F value_b = to_float(widen(stored_b, channel));
-      const F error = part + value_b * (q.bb * value_b - 2.0F * (q.cb - q.ab * value_a));
+      const F off_b = value_b - mean;
+      const F error = part + off_b * (weights.bb * off_b + slope);
       const I better = error < least;
       least = min(error, least);
       ends.stored[0][channel] = select(better, stored_a, ends.stored[0][channel]);
@@ -171,47 +218,58 @@ CAIRN_INLINE void round_pair(const Quadratic& q, F a, F b, int channel, Ends& en
       ends.value[1][channel] = select(better, value_b, ends.value[1][channel]);
     }
   }
+  return least;
 }
 
-/// The best ends for given positions: least squares, then the best of the four roundings of each channel.
-CAIRN_INLINE Ends fit_ends(const Colours& colours, const F position[16]) {
-  F sum{}, squares{}, products[3] = {};
+/// The best ends for given weights: least squares, then the best of the four roundings of each channel.
+/// Returns the error less Σc².
+CAIRN_INLINE F fit_ends(const Colours& colours, const Weights& weights, Ends& ends) {
+  const F mean = (weights.bb + weights.ab) * (1 / 16.0F);  // of t
+  const F scale = 1.0F / max(weights.bb - 16.0F * mean * mean, splat(1e-3F));
+  F error{};
+  for (int c = 0; c < 3; ++c) {
+    const F slope = weights.products[c] * scale;
+    error += round_pair(weights, colours.mean[c], -slope * mean, slope - slope * mean, c, ends);
+  }
+  return error;
+}
+
+CAIRN_INLINE Weights weights_of(const Colours& colours, const F position[16]) {
+  F sum{}, squares{};
+  Weights weights{};
   for (int i = 0; i < 16; ++i) {
     sum += position[i];
     squares += position[i] * position[i];
-    for (int c = 0; c < 3; ++c) products[c] += position[i] * colours.channel[c][i];
+    for (int c = 0; c < 3; ++c) weights.products[c] += position[i] * colours.channel[c][i];
   }
-  const F mean = sum * (1 / 16.0F);
-  const F scale = 1.0F / max(squares - sum * mean, splat(1e-3F));
-  Quadratic q;
-  q.bb = squares * (1 / 9.0F);
-  q.ab = sum * (1 / 3.0F) - q.bb;
-  q.aa = 16.0F - 2.0F * q.ab - q.bb;
-  Ends ends{};
-  for (int c = 0; c < 3; ++c) {
-    const F slope = products[c] * scale;
-    q.cb = (products[c] + colours.mean[c] * sum) * (1 / 3.0F);
-    q.ca = colours.mean[c] * 16.0F - q.cb;
-    round_pair(q, colours.mean[c] - slope * mean, colours.mean[c] + slope * (3.0F - mean), c, ends);
-  }
-  return ends;
+  for (F& product : weights.products) product *= 1 / 3.0F;
+  weights.bb = squares * (1 / 9.0F);
+  weights.ab = sum * (1 / 3.0F) - weights.bb;
+  weights.aa = 16.0F - 2.0F * weights.ab - weights.bb;
+  return weights;
 }
 
-CAIRN_INLINE void keep_better(const Candidate& other, Candidate& best) {
-  const I better = other.error < best.error;
-  best.error = min(other.error, best.error);
-  for (int i = 0; i < 16; ++i) best.position[i] = select(better, other.position[i], best.position[i]);
+CAIRN_INLINE void keep_better(const Ends& other, I better, Ends& best) {
   for (int e = 0; e < 2; ++e) {
     for (int c = 0; c < 3; ++c) {
-      best.ends.stored[e][c] = select(better, other.ends.stored[e][c], best.ends.stored[e][c]);
-      best.ends.value[e][c] = select(better, other.ends.value[e][c], best.ends.value[e][c]);
+      best.stored[e][c] = select(better, other.stored[e][c], best.stored[e][c]);
+      best.value[e][c] = select(better, other.value[e][c], best.value[e][c]);
     }
   }
 }
 
+CAIRN_INLINE void keep_better(const Candidate& other, Candidate& best) {
+  const I better = other.error < best.error;
+  keep_better(other.ends, better, best.ends);
+  best.error = min(other.error, best.error);
+  for (int i = 0; i < 16; ++i) best.position[i] = select(better, other.position[i], best.position[i]);
+}
+
 /// Ends from positions, positions from ends, and keep what is better.
-CAIRN_INLINE void refine(const Colours& colours, Candidate& best) {
-  keep_better(nearest_positions(colours, fit_ends(colours, best.position)), best);
+CAIRN_INLINE void refine(const Colours& colours, Candidate& best, int steps = 3) {
+  Ends ends{};
+  fit_ends(colours, weights_of(colours, best.position), ends);
+  keep_better(nearest_positions(colours, ends, steps), best);
 }
 
 inline constexpr OneColourTable kOneColour5 = one_colour_table(5);
@@ -238,27 +296,48 @@ CAIRN_INLINE Candidate one_colour(const Colours& colours) {
   return found;
 }
 
-/// Writes the blocks in the mode of four colours.
-CAIRN_INLINE void write_four_colours(const Candidate& best, std::byte* out, std::ptrdiff_t out_stride) {
+/// The 64 bits of a block.
+struct Code {
+  I ends, indices;
+};
+
+CAIRN_INLINE I pack_565(const I stored[3]) {
+  return stored[0] << 11 | stored[1] << 5 | stored[2];
+}
+
+/// The mode of four colours: ends descend. Positions 0 1 2 3 are indices 0 2 3 1.
+CAIRN_INLINE Code four_colour_code(const Candidate& best) {
   I indices{};
   for (int i = 0; i < 16; ++i) {
     const I position = truncate(best.position[i]);
-    // Position 0 1 2 3 is index 0 2 3 1.
     const I index = position + (((position == 1) | (position == 2)) & 1) - ((position == 3) & 2);
     indices |= index << (2 * i);
   }
-  I packed[2];
-  for (int e = 0; e < 2; ++e) {
-    packed[e] = best.ends.stored[e][0] << 11 | best.ends.stored[e][1] << 5 | best.ends.stored[e][2];
+  const I a = pack_565(best.ends.stored[0]), b = pack_565(best.ends.stored[1]);
+  indices = (indices ^ ((a < b) & 0x55555555)) & ~(a == b);
+  return {max(a, b) | min(a, b) << 16, indices};
+}
+
+/// The mode of three colours: ends ascend. Positions 0 1.5 3 are indices 0 2 1.
+CAIRN_INLINE Code three_colour_code(const Candidate& best) {
+  I indices{};
+  for (int i = 0; i < 16; ++i) {
+    const I position = truncate(best.position[i]);
+    indices |= (((position == 1) & 2) | ((position == 3) & 1)) << (2 * i);
   }
-  const I ascending = packed[0] < packed[1];
-  const I larger = max(packed[0], packed[1]), smaller = min(packed[0], packed[1]);
-  indices = (indices ^ (ascending & 0x55555555)) & ~(packed[0] == packed[1]);
-  const I ends = larger | smaller << 16;
+  const I a = pack_565(best.ends.stored[0]), b = pack_565(best.ends.stored[1]);
+  const I ends_only = ~(indices >> 1) & 0x55555555;
+  return {min(a, b) | max(a, b) << 16, indices ^ ((a > b) & ends_only)};
+}
+
+CAIRN_INLINE Code select(I mask, const Code& a, const Code& b) {
+  return {select(mask, a.ends, b.ends), select(mask, a.indices, b.indices)};
+}
+
+CAIRN_INLINE void write_blocks(const Code& code, std::byte* out, std::ptrdiff_t out_stride) {
   for (int lane = 0; lane < kLanes; ++lane) {
-    std::byte* block = out + block_of_lane(lane) * out_stride;
-    const std::int32_t halves[2] = {ends[lane], indices[lane]};
-    std::memcpy(block, halves, 8);
+    const std::int32_t halves[2] = {code.ends[lane], code.indices[lane]};
+    std::memcpy(out + block_of_lane(lane) * out_stride, halves, 8);
   }
 }
 

@@ -11,7 +11,7 @@ void encode_bc1_fast(const std::uint8_t* texels, std::ptrdiff_t stride, std::byt
     const Axis axis = principal_axis(colours, 2);
     Candidate best = nearest_positions(colours, extent_ends(colours, axis));
     keep_better(one_colour(colours), best);
-    write_four_colours(best, out + block * out_stride, out_stride);
+    write_blocks(four_colour_code(best), out + block * out_stride, out_stride);
   }
 }
 

@@ -13,7 +13,7 @@ void encode_bc1_normal(const std::uint8_t* texels, std::ptrdiff_t stride, std::b
     refine(colours, best);
     refine(colours, best);
     keep_better(one_colour(colours), best);
-    write_four_colours(best, out + block * out_stride, out_stride);
+    write_blocks(four_colour_code(best), out + block * out_stride, out_stride);
   }
 }
 

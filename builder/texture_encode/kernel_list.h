@@ -12,6 +12,8 @@ void encode_bc1_normal(const std::uint8_t* texels, std::ptrdiff_t stride, std::b
                        std::ptrdiff_t out_stride);
 void encode_bc1_best(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
                      std::ptrdiff_t out_stride);
+void encode_bc1_best_four(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
+                          std::ptrdiff_t out_stride);
 void encode_alpha_fast(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
                        std::ptrdiff_t out_stride);
 void encode_alpha_normal(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,

@@ -17,8 +17,9 @@ using Kernel = void (*)(const std::uint8_t* texels, std::ptrdiff_t stride, std::
 
 /// Indexed by TextureQuality.
 struct KernelSet {
-  Kernel colour[3];  ///< a BC1 block of four colours, which is the colour half of a BC3 block too
-  Kernel alpha[3];   ///< the alpha half of a BC3 block
+  Kernel colour[3];       ///< BC1 without holes
+  Kernel four_colour[3];  ///< BC1 in the mode of four colours: the colour half of a BC3 block
+  Kernel alpha[3];        ///< the alpha half of a BC3 block
 };
 
 namespace portable {

@@ -44,6 +44,11 @@ CAIRN_INLINE F to_float(I value) {
   return __builtin_convertvector(value, F);
 }
 
+/// To the nearest whole number, halves to even. REQUIRES: 0 <= value < 2^22 in every lane.
+CAIRN_INLINE F round(F value) {
+  return (value + 8388608.0F) - 8388608.0F;
+}
+
 /// a where the mask is all ones, b where it is all zeros.
 CAIRN_INLINE I select(I mask, I a, I b) {
   return (mask & a) | (~mask & b);
@@ -103,6 +108,27 @@ CAIRN_INLINE I lookup(const std::int32_t* table, I index) {
   for (int lane = 0; lane < kLanes; ++lane) found[lane] = table[index[lane]];
   return found;
 #endif
+}
+
+/// values[index], lane by lane.
+CAIRN_INLINE F pick(const F* values, I index) {
+#if defined(__AVX2__)
+  const I lanes = {0, 1, 2, 3, 4, 5, 6, 7};
+  const I place = index * kLanes + lanes;
+  return _mm256_i32gather_ps(reinterpret_cast<const float*>(values), reinterpret_cast<__m256i>(place), 4);
+#else
+  F found{};
+  for (int lane = 0; lane < kLanes; ++lane) found[lane] = values[index[lane]][lane];
+  return found;
+#endif
+}
+
+/// A number of 0..31 hidden in the lowest bits of a float >= 0: a change of at most 2^-18 of it.
+CAIRN_INLINE F tagged(F value, int tag) {
+  return reinterpret_cast<F>((reinterpret_cast<I>(value) & ~31) | tag);
+}
+CAIRN_INLINE I tag_of(F value) {
+  return reinterpret_cast<I>(value) & 31;
 }
 
 /// One texel of each of kLanes blocks, as they lie in memory: R lowest, A highest.

@@ -74,7 +74,7 @@ void encode_group(const KernelSet& kernels, TextureFormat format, TextureQuality
       return encode_bc1_group(kernels.colour[q], from, out);
     case TextureFormat::bc3:
       kernels.alpha[q](from.texels, from.stride, out, 16);
-      return kernels.colour[q](from.texels, from.stride, out + 8, 16);
+      return kernels.four_colour[q](from.texels, from.stride, out + 8, 16);
     case TextureFormat::bc7:
       return;
   }
