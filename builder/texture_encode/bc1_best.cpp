@@ -36,17 +36,18 @@ CAIRN_INLINE void nudge(const Colours& colours, Candidate& best) {
 }
 
 CAIRN_INLINE Candidate best_four_colours(const Colours& colours, const Sums& sums) {
-  Candidate best = nearest_positions(colours, four_colour_ends(colours, sums));
-  refine(colours, best);
-  nudge(colours, best);
-  best = nearest_positions(colours, best.ends);
+  Candidate best = nearest_positions<Errors::exact>(colours, four_colour_ends(colours, sums));
+  refine<Errors::exact>(colours, best);
+  Candidate nudged = best;
+  nudge(colours, nudged);
+  keep_better(nearest_positions<Errors::exact>(colours, nudged.ends), best);
   keep_better(one_colour(colours), best);
   return best;
 }
 
 CAIRN_INLINE Candidate best_three_colours(const Colours& colours, const Sums& sums) {
-  Candidate best = nearest_positions(colours, three_colour_ends(colours, sums), 2);
-  refine(colours, best, 2);
+  Candidate best = nearest_positions<Errors::exact>(colours, three_colour_ends(colours, sums), 2);
+  refine<Errors::exact>(colours, best, 2);
   return best;
 }
 

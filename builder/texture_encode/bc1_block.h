@@ -152,14 +152,40 @@ CAIRN_INLINE Place place_on(const Line& line, const Colours& colours, int i, int
   return {along, round(clamp(along, 0, static_cast<float>(steps)))};
 }
 
-/// |c − o − n·s|² summed, where the deviations c sum to zero and c·s is known from the projection: `sum` is
-/// Σ n·(n − 2·along).
-CAIRN_INLINE F error_on(const Line& line, const Colours& colours, F sum, int steps) {
+/// How errors are summed: `quick` takes the projection's word for it, and rounds more coarsely by
+/// cancellation: |c − o − n·s|² where the deviations c sum to zero and c·s is known.
+enum class Errors { quick, exact };
+
+CAIRN_INLINE F quick_term(const Place& place) {
+  return place.nearest * (place.nearest - (place.along + place.along));
+}
+
+CAIRN_INLINE F exact_term(const Colours& colours, const Ends& ends, int i, F position) {
+  F squares{};
+  for (int c = 0; c < 3; ++c) {
+    const F from = ends.value[0][c] - colours.mean[c];
+    const F off =
+        colours.channel[c][i] - (from + position * ((ends.value[1][c] - ends.value[0][c]) * (1 / 3.0F)));
+    squares += off * off;
+  }
+  return squares;
+}
+
+CAIRN_INLINE F quick_error(const Colours& colours, const Line& line, F sum, int steps) {
   return colours.variance + 16.0F * line.from_end +
          sum * line.squared * (1 / static_cast<float>(steps * steps));
 }
 
+/// The error of giving every texel the nearest of four colours.
+CAIRN_INLINE F least_error(const Colours& colours, const F ends[2][3]) {
+  const Line line = line_between(colours, ends, 3);
+  F sum{};
+  for (int i = 0; i < 16; ++i) sum += quick_term(place_on(line, colours, i, 3));
+  return quick_error(colours, line, sum, 3);
+}
+
 /// Gives every texel the nearest of the steps + 1 colours of the line between the ends.
+template <Errors kErrors>
 CAIRN_INLINE Candidate nearest_positions(const Colours& colours, const Ends& ends, int steps = 3) {
   const Line line = line_between(colours, ends.value, steps);
   Candidate found{ends, {}, {}};
@@ -167,21 +193,11 @@ CAIRN_INLINE Candidate nearest_positions(const Colours& colours, const Ends& end
   for (int i = 0; i < 16; ++i) {
     const Place place = place_on(line, colours, i, steps);
     found.position[i] = place.nearest * (3.0F / static_cast<float>(steps));
-    sum += place.nearest * (place.nearest - (place.along + place.along));
+    if constexpr (kErrors == Errors::quick) sum += quick_term(place);
+    if constexpr (kErrors == Errors::exact) sum += exact_term(colours, ends, i, found.position[i]);
   }
-  found.error = error_on(line, colours, sum, steps);
+  found.error = kErrors == Errors::quick ? quick_error(colours, line, sum, steps) : sum;
   return found;
-}
-
-/// The error of nearest_positions() alone.
-CAIRN_INLINE F least_error(const Colours& colours, const F ends[2][3]) {
-  const Line line = line_between(colours, ends, 3);
-  F sum{};
-  for (int i = 0; i < 16; ++i) {
-    const Place place = place_on(line, colours, i, 3);
-    sum += place.nearest * (place.nearest - (place.along + place.along));
-  }
-  return error_on(line, colours, sum, 3);
 }
 
 /// What a block's positions mean for the ends: Σ(1−t)², Σt², Σt(1−t) with t = position/3 in 0..1, and Σt·c in
@@ -266,14 +282,15 @@ CAIRN_INLINE void keep_better(const Candidate& other, Candidate& best) {
 }
 
 /// Ends from positions, positions from ends, and keep what is better.
+template <Errors kErrors>
 CAIRN_INLINE void refine(const Colours& colours, Candidate& best, int steps = 3) {
   Ends ends{};
   fit_ends(colours, weights_of(colours, best.position), ends);
-  keep_better(nearest_positions(colours, ends, steps), best);
+  keep_better(nearest_positions<kErrors>(colours, ends, steps), best);
 }
 
-inline constexpr OneColourTable kOneColour5 = one_colour_table(5);
-inline constexpr OneColourTable kOneColour6 = one_colour_table(6);
+inline constexpr OneColourTable kOneColour5 = one_colour_table(5, third_of_the_way);
+inline constexpr OneColourTable kOneColour6 = one_colour_table(6, third_of_the_way);
 
 /// The whole block in the colour nearest to its mean.
 CAIRN_INLINE Candidate one_colour(const Colours& colours) {

@@ -20,7 +20,9 @@ constexpr GainTable make_gain_table() {
       for (int k = j; k <= 16; ++k) {
         // Σ(3w)² − (Σ3w)²/16, times 16 to stay whole.
         const int spread = 16 * (9 * i + 4 * (j - i) + (k - j)) - (i + j + k) * (i + j + k);
-        table.factor[i][j][k] = spread == 0 ? 0.0F : 16.0F / static_cast<float>(spread);
+        // Among equals those are better that use both ends: the others stretch the line beyond the colours.
+        const float bias = k == 16 ? 0.9999F : 1.0F;
+        table.factor[i][j][k] = spread == 0 ? 0.0F : bias * 16.0F / static_cast<float>(spread);
       }
     }
   }

@@ -9,7 +9,7 @@ void encode_bc1_fast(const std::uint8_t* texels, std::ptrdiff_t stride, std::byt
   for (int block = 0; block < kKernelBlocks; block += kLanes) {
     Colours colours = load_colours(texels + 16 * block, stride);
     const Axis axis = principal_axis(colours, 2);
-    Candidate best = nearest_positions(colours, extent_ends(colours, axis));
+    Candidate best = nearest_positions<Errors::quick>(colours, extent_ends(colours, axis));
     keep_better(one_colour(colours), best);
     write_blocks(four_colour_code(best), out + block * out_stride, out_stride);
   }

@@ -9,9 +9,9 @@ void encode_bc1_normal(const std::uint8_t* texels, std::ptrdiff_t stride, std::b
   for (int block = 0; block < kKernelBlocks; block += kLanes) {
     Colours colours = load_colours(texels + 16 * block, stride);
     const Axis axis = principal_axis(colours, 4);
-    Candidate best = nearest_positions(colours, extent_ends(colours, axis));
-    refine(colours, best);
-    refine(colours, best);
+    Candidate best = nearest_positions<Errors::quick>(colours, extent_ends(colours, axis));
+    refine<Errors::quick>(colours, best);
+    refine<Errors::quick>(colours, best);
     keep_better(one_colour(colours), best);
     write_blocks(four_colour_code(best), out + block * out_stride, out_stride);
   }

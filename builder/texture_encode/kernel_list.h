@@ -19,4 +19,11 @@ void encode_alpha_fast(const std::uint8_t* texels, std::ptrdiff_t stride, std::b
 void encode_alpha_normal(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
                          std::ptrdiff_t out_stride);
 
+void encode_bc7_fast(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
+                     std::ptrdiff_t out_stride);
+void encode_bc7_normal(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
+                       std::ptrdiff_t out_stride);
+void encode_bc7_best(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
+                     std::ptrdiff_t out_stride);
+
 }  // namespace cairn::CAIRN_ISA

@@ -20,6 +20,7 @@ struct KernelSet {
   Kernel colour[3];       ///< BC1 without holes
   Kernel four_colour[3];  ///< BC1 in the mode of four colours: the colour half of a BC3 block
   Kernel alpha[3];        ///< the alpha half of a BC3 block
+  Kernel bc7[3];
 };
 
 namespace portable {

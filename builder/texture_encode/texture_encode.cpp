@@ -76,7 +76,7 @@ void encode_group(const KernelSet& kernels, TextureFormat format, TextureQuality
       kernels.alpha[q](from.texels, from.stride, out, 16);
       return kernels.four_colour[q](from.texels, from.stride, out + 8, 16);
     case TextureFormat::bc7:
-      return;
+      return kernels.bc7[q](from.texels, from.stride, out, 16);
   }
 }
 

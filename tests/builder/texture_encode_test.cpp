@@ -17,7 +17,7 @@ namespace {
 
 using test::TestImage;
 
-constexpr TextureFormat kFormats[] = {TextureFormat::bc1, TextureFormat::bc3};
+constexpr TextureFormat kFormats[] = {TextureFormat::bc1, TextureFormat::bc3, TextureFormat::bc7};
 constexpr TextureQuality kQualities[] = {TextureQuality::fast, TextureQuality::normal, TextureQuality::best};
 
 std::vector<std::byte> encoded(const TestImage& image, TextureFormat format, TextureQuality quality) {
@@ -101,6 +101,10 @@ TEST_CASE("real photos keep the promised quality") {
         34.5);
   CHECK(test::psnr_db(image, TextureFormat::bc1,
                       encoded(image, TextureFormat::bc1, TextureQuality::normal)) >= 35.8);
+  CHECK(test::psnr_db(image, TextureFormat::bc1, encoded(image, TextureFormat::bc1, TextureQuality::best)) >=
+        36.2);
+  CHECK(test::psnr_db(image, TextureFormat::bc7,
+                      encoded(image, TextureFormat::bc7, TextureQuality::normal)) >= 38.5);
 }
 
 TEST_CASE("a block of one colour comes as near to it as the format allows") {
@@ -112,12 +116,13 @@ TEST_CASE("a block of one colour comes as near to it as the format allows") {
     colours.push_back({grey, static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()), 255});
   }
   const TestImage image = flat_blocks(colours);
-  for (const TextureFormat format : {TextureFormat::bc1, TextureFormat::bc3}) {
+  for (const TextureFormat format : kFormats) {
     for (const TextureQuality quality : kQualities) {
       const auto rgba = decoded(image, format, quality);
       for (std::size_t i = 0; i < rgba.size(); ++i) {
         const int off = std::abs(rgba[i] - image.rgba[i]);
-        const int allowed = i % 4 == 3 ? 0 : least_error(image.rgba[i], i % 4 == 1 ? 6 : 5);
+        const bool exact = i % 4 == 3 || format == TextureFormat::bc7;
+        const int allowed = exact ? 0 : least_error(image.rgba[i], i % 4 == 1 ? 6 : 5);
         if (off <= allowed) continue;
         CAPTURE(i, off, allowed, static_cast<int>(quality));
         FAIL();
@@ -180,6 +185,19 @@ TEST_CASE("BC3 keeps alphas to their steps, and 0 and 255 exactly where there is
       const int off = std::abs(rgba[i] - image.rgba[i]);
       REQUIRE(off <= (i / 256 < 32 ? 2 : 0));
     }
+  }
+}
+
+TEST_CASE("BC7 keeps an opaque image opaque, and blends of alpha near") {
+  TestImage image = test::landscape(64, 64, 4, 13);
+  for (const TextureQuality quality : kQualities) {
+    const auto rgba = decoded(image, TextureFormat::bc7, quality);
+    for (std::size_t i = 3; i < rgba.size(); i += 4) REQUIRE(rgba[i] == 255);
+  }
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4)
+    image.rgba[i] = static_cast<std::uint8_t>(255 - i / 4 % 64 * 3);
+  for (const TextureQuality quality : kQualities) {
+    CHECK(test::psnr_db(image, TextureFormat::bc7, encoded(image, TextureFormat::bc7, quality), 3, 4) > 38);
   }
 }
 
