@@ -27,7 +27,15 @@ struct PostCounting {
   bool count_north_west = false;  ///< the corner alone
   bool count_north_east = false;  ///< the corner alone
 
-  bool counts(double x, double y) const {
+  /// Where the surface measured is an ancestor's: its sample (x0, y0) is the window's corner, and one of its
+  /// samples is `scale` of the window's.
+  double x0 = 0;
+  double y0 = 0;
+  double scale = 1;
+
+  bool counts(double surface_x, double surface_y) const {
+    const double x = (surface_x - x0) * scale;
+    const double y = (surface_y - y0) * scale;
     const bool east = x >= window.columns - 1;
     const bool north = y >= window.rows - 1;
     if (!east && !north) return true;
@@ -35,7 +43,9 @@ struct PostCounting {
     if (north && x <= 0) return count_north_west;
     return east ? count_east : count_north;
   }
-  LonLat place(double x, double y) const {
+  LonLat place(double surface_x, double surface_y) const {
+    const double x = (surface_x - x0) * scale;
+    const double y = (surface_y - y0) * scale;
     return {(static_cast<double>(window.column) + x) / window.samples_per_degree - 180.0,
             (static_cast<double>(window.row) + y) / window.samples_per_degree - 90.0};
   }

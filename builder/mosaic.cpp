@@ -145,7 +145,8 @@ void Mosaic::blend(std::size_t group, const SampleWindow& window, GroupSamples&&
   for (int r = 0; r < window.rows; ++r) {
     for (int c = 0; c < window.columns; ++c, ++at) {
       const SampleState above = samples.states.empty() ? SampleState::sourced : samples.states[at];
-      const double w = weight(group, near, {window.lon_of(c), window.lat_of(r)});
+      const bool ends_here = above == SampleState::none && !groups_[group]->reaches_beyond_footprint();
+      const double w = ends_here ? 0 : weight(group, near, {window.lon_of(c), window.lat_of(r)});
       if (tile.states[at] == SampleState::none) {
         tile.heights[at] = samples.heights[at];
         tile.states[at] = above;

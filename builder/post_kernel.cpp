@@ -3,17 +3,13 @@
 #include <cmath>
 
 namespace cairn {
-namespace {
 
-// Keys 1981, eq. 4 with a = -1/2, for the posts at -1, 0, 1, 2.
-std::array<double, 4> cubic_weights(double f) {
+std::array<double, 4> catmull_rom(double f) {
   const double f2 = f * f;
   const double f3 = f2 * f;
   return {-0.5 * f3 + f2 - 0.5 * f, 1.5 * f3 - 2.5 * f2 + 1, -1.5 * f3 + 2 * f2 + 0.5 * f,
           0.5 * f3 - 0.5 * f2};
 }
-
-}  // namespace
 
 PostTaps taps_at(const AxisPositions& axis, std::int64_t sample, ResampleMethod method) {
   const std::int64_t on = axis.first_post_from(sample);
@@ -29,7 +25,7 @@ PostTaps taps_at(const AxisPositions& axis, std::int64_t sample, ResampleMethod 
     case ResampleMethod::exact:
       break;
   }
-  return {below - 1, 4, cubic_weights(f)};
+  return {below - 1, 4, catmull_rom(f)};
 }
 
 }  // namespace cairn

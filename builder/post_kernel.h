@@ -8,6 +8,10 @@
 
 namespace cairn {
 
+/// Catmull-Rom weights of the posts at -1, 0, 1 and 2 for the place f, 0 ≤ f ≤ 1 (Keys 1981, eq. 4, a =
+/// -1/2).
+std::array<double, 4> catmull_rom(double f);
+
 /// Weights of up to four consecutive posts.
 struct PostTaps {
   std::int64_t first = 0;

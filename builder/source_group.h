@@ -49,6 +49,9 @@ class SourceGroup {
   double spacing_degrees() const { return spacing_degrees_; }
   /// Whether every post lies on a sample.
   bool posts_on_samples() const { return posts_on_samples_; }
+  /// Whether its heights go on smoothly beyond its footprint, to fade there; else it ends where its posts
+  /// end.
+  bool reaches_beyond_footprint() const { return reaches_beyond_footprint_; }
   const Footprint& footprint() const { return footprint_; }
   /// The members' numbers in the SourcePool, by the order in which they win.
   const std::vector<std::size_t>& sources() const { return sources_; }
@@ -60,6 +63,7 @@ class SourceGroup {
   int native_level_ = 0;
   double spacing_degrees_ = 0;
   bool posts_on_samples_ = false;
+  bool reaches_beyond_footprint_ = true;
   Footprint footprint_;
   std::vector<std::size_t> sources_;
 };

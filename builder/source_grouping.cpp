@@ -4,9 +4,14 @@
 #include <cmath>
 
 #include "builder/lattice_group.h"
+#include "builder/projected_group.h"
 
 namespace cairn {
 namespace {
+
+// How close an iterative fit comes to the posts, as a share of the promise; the rest is for rounding.
+constexpr double kShareOfPromise = 0.1;
+constexpr double kFinestDefaultPromise = 0.05;
 
 struct LatticeMembers {
   Lattice lattice;
@@ -66,7 +71,8 @@ Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(SourcePool& pool
   }
   int finest = kMinLevel;
   for (const auto& l : lattices) finest = std::max(finest, lattice_level(l.lattice, options));
-  if (!projected.empty()) return bad_data(pool.info(projected[0]).path.string() + ": projected");
+  for (const std::size_t s : projected)
+    finest = std::max(finest, ProjectedGroup::level_for(pool.info(s), options.tile_size));
 
   std::vector<std::unique_ptr<SourceGroup>> groups;
   for (auto& l : lattices) {
@@ -74,6 +80,13 @@ Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(SourcePool& pool
     groups.push_back(std::make_unique<LatticeGroup>(pool, geoid, l.lattice, std::move(l.members), level,
                                                     samples_per_degree(level, options.tile_size),
                                                     options.resampling));
+  }
+  const double promise = options.max_error_m.value_or(kFinestDefaultPromise);
+  const double tolerance = promise * kShareOfPromise;
+  for (const std::size_t s : projected) {
+    const int level =
+        asked_level(ProjectedGroup::level_for(pool.info(s), options.tile_size), finest, options);
+    groups.push_back(std::make_unique<ProjectedGroup>(pool, geoid, s, level, options.tile_size, tolerance));
   }
   std::sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) {
     if (a->spacing_degrees() != b->spacing_degrees()) return a->spacing_degrees() < b->spacing_degrees();

@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "builder/app/check_against.h"
 #include "builder/app/metadata_rules.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
@@ -22,6 +23,8 @@ struct CommandLine {
   std::string pack;
   int threads = 0;  // all
   bool json = false;
+  std::vector<std::string> against;
+  std::string geoid;
 };
 
 /// What the file alone shows: its structure, and, where that opens, its metadata.
@@ -34,6 +37,10 @@ Result<VerifyReport> verify_file(const CommandLine& options) {
   const Result<PackReader> pack = PackReader::open(options.pack);
   if (!pack) return report;
   for (Finding& finding : check_metadata_json(*pack)) report->findings.push_back(std::move(finding));
+  if (options.against.empty() || !report->ok()) return report;
+  auto found = check_against(*pack, options.against, options.geoid, verify.threads);
+  if (!found) return found.error();
+  for (Finding& finding : *found) report->findings.push_back(std::move(finding));
   return report;
 }
 
@@ -66,6 +73,8 @@ void add_verify(CLI::App& app, int& exit_code) {
   CLI::App* verb = app.add_subcommand("verify", "Check every byte and every rule of a pack");
   verb->add_option("PACK", options->pack, "The pack")->required();
   verb->add_option("--threads", options->threads, "Threads to use (0: all)")->check(CLI::Range(0, 1024));
+  verb->add_option("--against", options->against, "The DEMs it was baked from: measure every post anew");
+  verb->add_option("--geoid", options->geoid, "The geoid that it was baked with")->check(CLI::ExistingFile);
   verb->add_flag("--json", options->json, "Print JSON");
   verb->callback([options, &exit_code] { exit_code = run_verify(*options); });
 }
