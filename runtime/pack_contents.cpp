@@ -1,21 +1,21 @@
 #include "runtime/pack_contents.h"
 
 #include <algorithm>
+#include <vector>
 
 namespace cairn {
 namespace {
 
-/// The index ascends by layer and level, so that the coarsest heights come first. A finer tile may go below
-/// its ancestor by the ancestor's error.
-double lowest_height_m(const PackReader& pack) {
-  double lowest = 0;
+/// The height tiles of the pack's coarsest level: the index ascends by layer and level, so that they come
+/// first.
+std::vector<IndexEntry> coarsest_tiles(const PackReader& pack) {
+  std::vector<IndexEntry> tiles;
   for (std::size_t i = 0; i < pack.entry_count(); ++i) {
     const IndexEntry entry = pack.entry(i);
     if (entry.layer != Layer::heights || entry.id.level != pack.entry(0).id.level) break;
-    const double error = static_cast<double>(entry.geometric_error_m);
-    lowest = std::min(lowest, entry.min_quanta * pack.header().quantum_m - error);
+    tiles.push_back(entry);
   }
-  return std::max(lowest, -20000.0);  // deeper than any ground: a wrong error must not void the horizon
+  return tiles;
 }
 
 }  // namespace
@@ -23,8 +23,17 @@ double lowest_height_m(const PackReader& pack) {
 PackContents::PackContents(std::shared_ptr<const PackReader> pack)
     : pack_(std::move(pack)),
       heights_(pack_->levels(Layer::heights)),
-      imagery_(pack_->levels(Layer::imagery)),
-      lowest_m_(lowest_height_m(*pack_)) {}
+      imagery_(pack_->levels(Layer::imagery)) {
+  for (const IndexEntry& tile : coarsest_tiles(*pack_)) {
+    // A finer tile may go below its ancestor by the ancestor's error.
+    const double error = static_cast<double>(tile.geometric_error_m);
+    lowest_m_ = std::min(lowest_m_, tile.min_quanta * pack_->header().quantum_m - error);
+    for (TileId id = tile.id; id.level > kMinLevel && above_.insert(parent_of(id)).second;)
+      id = parent_of(id);
+  }
+  lowest_m_ =
+      std::max(lowest_m_, -20000.0);  // deeper than any ground: a wrong error must not void the horizon
+}
 
 PackReader::LevelRange PackContents::levels() const {
   PackReader::LevelRange all{kMinLevel, kMinLevel};

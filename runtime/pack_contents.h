@@ -26,6 +26,10 @@ class PackContents {
   /// The tile itself or its nearest ancestor that can be had.
   std::optional<IndexEntry> nearest(Layer layer, const TileId& id) const;
 
+  /// Whether the area, which has no tile of its own nor an ancestor that has, has tiles of the pack in it:
+  /// the coarsest level of a pack is often 0.
+  bool is_above_tiles(const TileId& area) const { return above_.contains(area); }
+
   void set_damaged(const TileKey& key) { damaged_.insert(key); }
 
   /// A height, in metres, that no ground of the finest tile at the place exceeds, from the index alone, so
@@ -42,6 +46,7 @@ class PackContents {
   std::shared_ptr<const PackReader> pack_;
   std::optional<PackReader::LevelRange> heights_;
   std::optional<PackReader::LevelRange> imagery_;
+  std::unordered_set<TileId> above_;  // the ancestors of the coarsest tiles, which the pack does not have
   std::unordered_set<TileKey> damaged_;
   double lowest_m_ = 0;
 };

@@ -54,6 +54,7 @@ struct Terrain::State {
 
   TileId eye_tile_for(EyeTile& held, const ViewState& view) const;
   Cover cover_for(const TileId& eye_tile) const;
+  void add_to_cover(const TileId& area, bool has_source, Cover& cover) const;
   void aim(const TileId& eye_tile);
   void look_ahead(const ViewState& view, double dt_s);
   void list_tiles();
@@ -68,7 +69,6 @@ struct Terrain::State {
   std::optional<TileId> aimed_at;
   std::optional<TileId> looked_at;
   std::uint64_t damage_seen = 0;
-  std::vector<IndexEntry> wanted;  // what the aimed cover shows, sorted by key
   PagingStats counts;
   bool any_shown = false;
   RenderList list;
@@ -88,10 +88,22 @@ Cover Terrain::State::cover_for(const TileId& eye_tile) const {
                                        [this](const TileId& id) { return contents.shows(id); });
   Cover cover;
   cover.reserve(map.size());
-  for (const SceneTile& tile : map) cover.push_back(make_cover_tile(tile.area, contents, occluder));
+  for (const SceneTile& tile : map) add_to_cover(tile.area, tile.has_source(), cover);
   std::sort(cover.begin(), cover.end(),
             [](const CoverTile& a, const CoverTile& b) { return depth_first_before(a.area, b.area); });
   return cover;
+}
+
+/// An area with nothing to show is split as far as needed for the coarsest tiles in it to show.
+void Terrain::State::add_to_cover(const TileId& area, bool has_source, Cover& cover) const {
+  if (has_source || !contents.is_above_tiles(area)) {
+    cover.push_back(make_cover_tile(area, contents, occluder));
+    return;
+  }
+  for (int quadrant = 0; quadrant < 4; ++quadrant) {
+    const TileId child = child_of(area, quadrant);
+    if (is_valid(child)) add_to_cover(child, contents.shows(child), cover);
+  }
 }
 
 void Terrain::State::aim(const TileId& eye_tile) {

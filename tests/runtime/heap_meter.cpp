@@ -6,7 +6,7 @@
 
 #include <malloc.h>
 
-#include "tests/runtime/test_pack.h"
+#include "tests/runtime/flight_pack.h"
 
 namespace {
 

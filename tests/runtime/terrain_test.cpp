@@ -13,13 +13,13 @@
 
 #include "format/pack_sampler.h"
 #include "runtime/pack_contents.h"
-#include "tests/runtime/test_pack.h"
+#include "tests/runtime/flight_pack.h"
 
 namespace cairn {
 namespace {
 
 using test::Faults;
-using test::TestPack;
+using test::FlightPack;
 
 TerrainOptions small_options(int workers = 2, std::uint64_t cache_mib = 48) {
   TerrainOptions options;
@@ -32,7 +32,7 @@ TerrainOptions small_options(int workers = 2, std::uint64_t cache_mib = 48) {
 class RandomFlight {
  public:
   explicit RandomFlight(std::uint64_t seed) : random_(seed) {
-    view_.eye = TestPack::kMiddle;
+    view_.eye = FlightPack::kMiddle;
     view_.height_m = 3000;
     view_.viewport_width_px = 320;
     view_.viewport_height_px = 240;
@@ -85,7 +85,7 @@ void require_right_data(const RenderList& list) {
   for (const RenderTile& tile : list.tiles) {
     REQUIRE(tile.heights);
     REQUIRE(ancestor_of(tile.area, tile.heights_id.level) == tile.heights_id);
-    REQUIRE(tile.heights->samples[0] == TestPack::first_sample(tile.heights_id));
+    REQUIRE(tile.heights->samples[0] == FlightPack::first_sample(tile.heights_id));
   }
 }
 
@@ -110,7 +110,7 @@ AreasAndSources areas_of(const RenderList& list) {
   return areas;
 }
 
-Terrain open(const TestPack& pack, const TerrainOptions& options, const Faults& faults = {}) {
+Terrain open(const FlightPack& pack, const TerrainOptions& options, const Faults& faults = {}) {
   auto reader = pack.open();
   Result<Terrain> terrain = Terrain::open(reader, options, test::read_with(reader, faults));
   if (!terrain) FAIL(terrain.error().message);
@@ -124,7 +124,7 @@ struct FlightResult {
 };
 
 /// Flies, checks every frame, and rests at home in the end.
-FlightResult fly(const TestPack& pack, const TerrainOptions& options, const Faults& faults, int moves) {
+FlightResult fly(const FlightPack& pack, const TerrainOptions& options, const Faults& faults, int moves) {
   const std::uint64_t before = test::heap_bytes();
   test::reset_peak_heap_bytes();
   Terrain terrain = open(pack, options, faults);
@@ -150,7 +150,7 @@ FlightResult fly(const TestPack& pack, const TerrainOptions& options, const Faul
 }
 
 /// What the map should be, from the scene map and the faults alone.
-AreasAndSources expected_map(const TestPack& pack, const TileId& eye, const Faults& faults,
+AreasAndSources expected_map(const FlightPack& pack, const TileId& eye, const Faults& faults,
                              Marking marking = Marking::restricted) {
   const auto reader = pack.open();
   const HasTile has = [&](const TileId& id) {
@@ -163,14 +163,14 @@ AreasAndSources expected_map(const TestPack& pack, const TileId& eye, const Faul
 }
 
 /// The least budget, to a MiB, with which the view's map is of the finest level.
-std::uint64_t least_for_the_finest_map(const TestPack& pack, const ViewState& view) {
+std::uint64_t least_for_the_finest_map(const FlightPack& pack, const ViewState& view) {
   for (std::uint64_t mib = 8;; ++mib) {
     const Result<Terrain> probe = Terrain::open(pack.open(), small_options(2, mib));
     if (!probe) continue;
     Terrain terrain = open(pack, small_options(2, mib));
     const AreasAndSources areas = areas_of(rest(terrain, view));
     const bool finest = std::any_of(areas.begin(), areas.end(),
-                                    [](const auto& item) { return item.first.level == TestPack::kFinest; });
+                                    [](const auto& item) { return item.first.level == FlightPack::kFinest; });
     if (finest) return mib << 20;
   }
 }
@@ -180,7 +180,7 @@ constexpr int kMoves = 10000;
 }  // namespace
 
 TEST_CASE("a terrain at rest shows the scene map of its eye, whatever the marking") {
-  const TestPack pack;
+  const FlightPack pack;
   for (const Marking marking :
        {Marking::normal, Marking::plus, Marking::cross, Marking::restricted, Marking::balanced}) {
     TerrainOptions options = small_options(2, 128);
@@ -190,13 +190,13 @@ TEST_CASE("a terrain at rest shows the scene map of its eye, whatever the markin
     const RenderList& list = rest(terrain, flight.home());
     require_cover(list);
     require_right_data(list);
-    CHECK(terrain.eye_tile() == tile_at({28.3, 36.7}, TestPack::kFinest));
+    CHECK(terrain.eye_tile() == tile_at({28.3, 36.7}, FlightPack::kFinest));
     CHECK(areas_of(list) == expected_map(pack, terrain.eye_tile(), {}, marking));
   }
 }
 
 TEST_CASE("10,000 moves with 1, 2 and 4 workers: no hole, never over the budget, the same map in the end") {
-  const TestPack pack;
+  const FlightPack pack;
   std::set<AreasAndSources> maps;
   for (const int workers : {1, 2, 4}) {
     const FlightResult result = fly(pack, small_options(workers), {}, kMoves);
@@ -205,32 +205,32 @@ TEST_CASE("10,000 moves with 1, 2 and 4 workers: no hole, never over the budget,
     maps.insert(result.final_map);
   }
   CHECK(maps.size() == 1);
-  CHECK(*maps.begin() == expected_map(pack, tile_at({28.3, 36.7}, TestPack::kFinest), {}));
+  CHECK(*maps.begin() == expected_map(pack, tile_at({28.3, 36.7}, FlightPack::kFinest), {}));
 }
 
 TEST_CASE("10,000 moves over a slow disk") {
-  const TestPack pack;
+  const FlightPack pack;
   Faults faults;
   faults.longest_delay_ms = 50;
   const FlightResult result = fly(pack, small_options(2), faults, kMoves);
   CHECK(result.stats.holes == 0);
   CHECK(result.stats.updates_behind > 0);
-  CHECK(result.final_map == expected_map(pack, tile_at({28.3, 36.7}, TestPack::kFinest), {}));
+  CHECK(result.final_map == expected_map(pack, tile_at({28.3, 36.7}, FlightPack::kFinest), {}));
 }
 
 TEST_CASE("10,000 moves over a disk that fails one read in a hundred") {
-  const TestPack pack;
+  const FlightPack pack;
   Faults faults;
   faults.failing_share = 0.01;
   const FlightResult result = fly(pack, small_options(2), faults, kMoves);
   CHECK(result.stats.holes == 0);
   CHECK(result.stats.reads_failed > 0);
   CHECK(result.errors == 0);  // each was read at a second try
-  CHECK(result.final_map == expected_map(pack, tile_at({28.3, 36.7}, TestPack::kFinest), {}));
+  CHECK(result.final_map == expected_map(pack, tile_at({28.3, 36.7}, FlightPack::kFinest), {}));
 }
 
 TEST_CASE("10,000 moves over a pack with damaged tiles: each is reported once and an ancestor drawn") {
-  const TestPack pack;
+  const FlightPack pack;
   for (const double share : {0.001, 0.05}) {
     Faults faults;
     faults.damaged_share = share;
@@ -238,22 +238,22 @@ TEST_CASE("10,000 moves over a pack with damaged tiles: each is reported once an
     CHECK(result.stats.holes == 0);
     CHECK(result.errors == result.stats.tiles_damaged);
     CHECK(result.stats.reads_failed == result.stats.tiles_damaged);  // and never read again
-    CHECK(result.final_map == expected_map(pack, tile_at({28.3, 36.7}, TestPack::kFinest), faults));
+    CHECK(result.final_map == expected_map(pack, tile_at({28.3, 36.7}, FlightPack::kFinest), faults));
   }
 }
 
 TEST_CASE("everything at once, with the least memory that works") {
-  const TestPack pack;
+  const FlightPack pack;
   Faults faults{3, 0.05, 0.02};
   TerrainOptions options = small_options(4);
   options.cache_bytes = 24u << 20;
   const FlightResult tight = fly(pack, options, faults, kMoves / 5);
   CHECK(tight.stats.holes == 0);
-  for (const auto& [area, source] : tight.final_map) CHECK(area.level <= TestPack::kFinest);
+  for (const auto& [area, source] : tight.final_map) CHECK(area.level <= FlightPack::kFinest);
 }
 
 TEST_CASE("a budget too small for the eye's map draws a coarser one") {
-  const TestPack pack;
+  const FlightPack pack;
   TerrainOptions options = small_options(1);
   options.cache_bytes = 16u << 20;
   Terrain terrain = open(pack, options);
@@ -262,12 +262,12 @@ TEST_CASE("a budget too small for the eye's map draws a coarser one") {
   require_cover(list);
   int finest = kMinLevel;
   for (const RenderTile& tile : list.tiles) finest = std::max(finest, tile.area.level);
-  CHECK(finest < TestPack::kFinest);
+  CHECK(finest < FlightPack::kFinest);
   CHECK(areas_of(list) == expected_map(pack, ancestor_of(terrain.eye_tile(), finest), {}));
 }
 
 TEST_CASE("an option out of range is refused, and a budget too small with the least that works") {
-  const TestPack pack;
+  const FlightPack pack;
   const auto reader = pack.open();
   const auto refused = [&](auto change) {
     TerrainOptions options;
@@ -285,11 +285,11 @@ TEST_CASE("an option out of range is refused, and a budget too small with the le
 }
 
 TEST_CASE("an eye that hovers on a border loads nothing after the first pass, with hysteresis") {
-  const TestPack pack;
+  const FlightPack pack;
   const auto hover = [&](double margin) {
     RandomFlight flight(1);
     ViewState view = flight.home();
-    const double width = tile_width_degrees(TestPack::kFinest);
+    const double width = tile_width_degrees(FlightPack::kFinest);
     const auto at_side = [&](int i) {
       const double step = (i % 2 == 0 ? 0.05 : -0.05) * width;
       view.eye = {28 + step, 37 + step};  // a corner of tiles of every level
@@ -314,7 +314,7 @@ TEST_CASE("an eye that hovers on a border loads nothing after the first pass, wi
 }
 
 TEST_CASE("requests that nobody has begun are withdrawn when the eye goes elsewhere") {
-  const TestPack pack;
+  const FlightPack pack;
   const auto reader = pack.open();
   std::mutex mutex;
   std::condition_variable opened;
@@ -355,7 +355,7 @@ TEST_CASE("requests that nobody has begun are withdrawn when the eye goes elsewh
 }
 
 TEST_CASE("a root that cannot be read is drawn flat and reported once") {
-  const TestPack pack;
+  const FlightPack pack;
   const auto reader = pack.open();
   const ReadTile broken = [read = read_from(reader)](const IndexEntry& entry) -> Result<LoadedTile> {
     if (entry.id.level == kMinLevel) return bad_data("root: damaged");
@@ -368,13 +368,13 @@ TEST_CASE("a root that cannot be read is drawn flat and reported once") {
   const RenderList& list = rest(*terrain, far);
   REQUIRE(list.tiles.size() == 1);
   REQUIRE(list.tiles[0].heights);
-  CHECK(list.tiles[0].heights->samples[5] == TestPack::first_sample({kMinLevel, 0, 0}) + 48);
+  CHECK(list.tiles[0].heights->samples[5] == FlightPack::first_sample({kMinLevel, 0, 0}) + 48);
   CHECK(terrain->stats().tiles_damaged == 1);
 }
 
 TEST_CASE("blocks damaged in the file survive: reported with their place, ancestors drawn") {
-  const TestPack pack;
-  const TileId eye = tile_at({28.3, 36.7}, TestPack::kFinest);
+  const FlightPack pack;
+  const TileId eye = tile_at({28.3, 36.7}, FlightPack::kFinest);
   const auto good = pack.open();
   // Tiles share their blocks, so that one flipped bit damages a sixteenth of them; the root must not be one.
   TileId victim = eye;
@@ -403,13 +403,13 @@ TEST_CASE("blocks damaged in the file survive: reported with their place, ancest
   require_cover(*list);
   for (const RenderTile& tile : list->tiles) {
     REQUIRE(tile.heights);
-    REQUIRE(tile.heights->samples[0] == TestPack::first_sample(tile.heights_id));
+    REQUIRE(tile.heights->samples[0] == FlightPack::first_sample(tile.heights_id));
     REQUIRE(reader->find(Layer::heights, tile.heights_id)->offset != offset(victim));
   }
 }
 
 TEST_CASE("the ground's height is that of the pack's finest tile at the place") {
-  const TestPack pack;
+  const FlightPack pack;
   const auto reader = pack.open();
   Result<Terrain> terrain = Terrain::open(reader, small_options());
   REQUIRE(terrain.ok());
@@ -436,7 +436,7 @@ TEST_CASE("the ground's height is that of the pack's finest tile at the place") 
 }
 
 TEST_CASE("a cold start shows coarse before fine") {
-  const TestPack pack;
+  const FlightPack pack;
   Terrain terrain = open(pack, small_options(1));
   RandomFlight flight(1);
   std::vector<int> finest;
@@ -451,8 +451,30 @@ TEST_CASE("a cold start shows coarse before fine") {
   CHECK(finest.size() > 3);
 }
 
+TEST_CASE("a pack whose coarsest level is 0 is shown whole, from afar and from within") {
+  const FlightPack pack(0);
+  const auto reader = pack.open();
+  Terrain terrain = open(pack, small_options());
+  ViewState view = RandomFlight(1).home();
+  const auto require_shown = [&](const RenderList& list) {
+    require_cover(list);
+    for (const RenderTile& tile : list.tiles) {
+      const GeoBounds b = tile_bounds(tile.area);
+      const bool outside = b.east <= 27 || b.west >= 30 || b.north <= 36 || b.south >= 38;
+      INFO(to_string(tile.area));
+      REQUIRE(static_cast<bool>(tile.heights) == !outside);
+    }
+  };
+  require_shown(rest(terrain, view));
+  view.height_m = 5e6;
+  require_shown(rest(terrain, view));
+  view.eye = {-120, -40};
+  require_shown(rest(terrain, view));
+  CHECK(terrain.stats().holes == 0);
+}
+
 TEST_CASE("what lies ahead is loaded before the eye gets there") {
-  const TestPack pack;
+  const FlightPack pack;
   const auto behind = [&](double look_ahead_s) {
     TerrainOptions options = small_options(2, 96);
     options.look_ahead_s = look_ahead_s;
@@ -462,7 +484,7 @@ TEST_CASE("what lies ahead is loaded before the eye gets there") {
     rest(terrain, view);
     std::uint64_t frames = 0;
     for (int i = 0; i < 600; ++i) {
-      view.eye.lon += tile_width_degrees(TestPack::kFinest) / 100;  // a tile every 100 frames
+      view.eye.lon += tile_width_degrees(FlightPack::kFinest) / 100;  // a tile every 100 frames
       frames += !terrain.update(view, 1.0 / 60).is_complete;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/runtime/test_pack.h"
+#include "tests/runtime/flight_pack.h"
 
 namespace cairn {
 namespace {

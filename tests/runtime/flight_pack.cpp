@@ -1,4 +1,4 @@
-#include "tests/runtime/test_pack.h"
+#include "tests/runtime/flight_pack.h"
 
 #include <array>
 #include <atomic>
@@ -40,7 +40,7 @@ HeightTile content(std::uint64_t number) {
 
 class Baker {
  public:
-  explicit Baker(PackWriter& writer) : writer_(writer) {
+  Baker(PackWriter& writer, int coarsest) : writer_(writer), coarsest_(coarsest) {
     for (std::uint64_t n = 0; n < kContents; ++n) {
       blocks_[n] = encode_height_block(content(n), *find_height_codec(1));
     }
@@ -49,11 +49,11 @@ class Baker {
   void bake(const TileId& id) {
     IndexEntry entry;
     entry.id = id;
-    entry.min_quanta = TestPack::first_sample(id);
-    entry.max_quanta = TestPack::first_sample(id) + 96;
+    entry.min_quanta = FlightPack::first_sample(id);
+    entry.max_quanta = FlightPack::first_sample(id) + 96;
     entry.geometric_error_m = static_cast<float>(tile_width_degrees(id.level));
-    REQUIRE(writer_.add(entry, blocks_[content_of(id)]).ok());
-    for (int quadrant = 0; quadrant < 4 && id.level < TestPack::kFinest; ++quadrant) {
+    if (id.level >= coarsest_) REQUIRE(writer_.add(entry, blocks_[content_of(id)]).ok());
+    for (int quadrant = 0; quadrant < 4 && id.level < FlightPack::kFinest; ++quadrant) {
       const TileId child = child_of(id, quadrant);
       if (is_valid(child) && is_wanted(child)) bake(child);
     }
@@ -68,27 +68,28 @@ class Baker {
   }
 
   PackWriter& writer_;
+  int coarsest_;
   std::array<std::vector<std::byte>, kContents> blocks_;
 };
 
 }  // namespace
 
-TestPack::TestPack() : path_(dir_.path() / "test.cairn") {
+FlightPack::FlightPack(int coarsest) : path_(dir_.path() / "test.cairn") {
   PackHeader header;
   header.tile_size = kTileSize;
   Result<PackWriter> writer = PackWriter::create(path_, header);
   REQUIRE(writer.ok());
-  Baker(*writer).bake({kMinLevel, 0, 0});
+  Baker(*writer, coarsest).bake({kMinLevel, 0, 0});
   REQUIRE(writer->finish("{}").ok());
 }
 
-std::shared_ptr<const PackReader> TestPack::open() const {
+std::shared_ptr<const PackReader> FlightPack::open() const {
   Result<PackReader> pack = PackReader::open(path_);
   if (!pack) FAIL(pack.error().message);
   return std::make_shared<const PackReader>(std::move(*pack));
 }
 
-std::int32_t TestPack::first_sample(const TileId& id) {
+std::int32_t FlightPack::first_sample(const TileId& id) {
   return static_cast<std::int32_t>(content_of(id)) * 100;
 }
 

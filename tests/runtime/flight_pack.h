@@ -12,9 +12,10 @@ namespace cairn::test {
 /// A pack of 257² tiles from level -9 to 5: the whole Earth to level -4, 3°×2° about 28°E 37°N further down,
 /// and a seventh of the tiles finer than level 1 left out with all below them. Every tile has one of 16
 /// contents.
-class TestPack {
+class FlightPack {
  public:
-  TestPack();
+  /// `coarsest` above -9 leaves out what is coarser; 0 and finer leave the detailed region only.
+  explicit FlightPack(int coarsest = kMinLevel);
   std::shared_ptr<const PackReader> open() const;
   const std::filesystem::path& path() const { return path_; }
 
