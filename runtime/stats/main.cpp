@@ -11,6 +11,7 @@
 
 #include "runtime/stats/block_count.h"
 #include "runtime/stats/draw_map.h"
+#include "runtime/stats/pack_walk.h"
 #include "runtime/stats/report.h"
 
 namespace cairn {
@@ -24,6 +25,9 @@ struct Options {
   std::size_t moves = 20;
   std::uint64_t seed = 1;
   bool exhaustive = false;
+  std::filesystem::path pack;
+  int workers = 2;
+  std::size_t loading = 0;
   std::filesystem::path json;
   std::filesystem::path csv;
   std::vector<std::string> draw;
@@ -38,6 +42,10 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--moves", o.moves, "moves of the walk")->check(CLI::Range(1, 100000));
   app.add_option("--seed", o.seed, "of the walk");
   app.add_flag("--exhaustive", o.exhaustive, "every eye tile of a 2^(K+2) square and every move of the kind");
+  app.add_option("--pack", o.pack,
+                 "count over a pack's tiles, load each move's difference blocks and time it");
+  app.add_option("--workers", o.workers, "threads that load")->check(CLI::Range(1, 64));
+  app.add_option("--loading", o.loading, "with --pack: time the loading of 1 to N blocks instead; see --csv");
   app.add_option("--json", o.json, "write the report as JSON");
   app.add_option("--csv", o.csv, "write the counts of every move as CSV");
   app.add_option("--draw", o.draw, "X,Y OUT.svg: draw the map with the eye X,Y tiles from a coarse corner")
@@ -89,6 +97,14 @@ Status draw(const Options& o, const std::vector<Marking>& markings) {
   return write_text(o.draw[1], draw_map(map, eye, title));
 }
 
+Status write_reports(const Options& o, const StatsReport& report) {
+  std::cout << to_table(report);
+  if (!o.json.empty()) {
+    if (auto written = write_text(o.json, to_json(report)); !written) return written;
+  }
+  return o.csv.empty() ? Status{} : write_text(o.csv, to_csv(report));
+}
+
 Status count(const Options& o, const std::vector<Marking>& markings) {
   const auto walk = chosen_walk(o);
   if (!walk) return walk.error();
@@ -100,18 +116,59 @@ Status count(const Options& o, const std::vector<Marking>& markings) {
          o.exhaustive ? count_exhaustively(spec, moves_of_kind(o.walk)) : count_walk(spec, *walk),
          {}});
   }
-  std::cout << to_table(report);
-  if (!o.json.empty()) {
-    if (auto written = write_text(o.json, to_json(report)); !written) return written;
+  return write_reports(o, report);
+}
+
+Result<std::shared_ptr<const PackReader>> open_pack(const Options& o) {
+  if (o.exhaustive) return usage_error("--exhaustive: expected no --pack, found one");
+  Result<PackReader> pack = PackReader::open(o.pack);
+  if (!pack) return pack.error();
+  return std::make_shared<const PackReader>(std::move(*pack));
+}
+
+Status count_over_pack(const Options& o, const std::vector<Marking>& markings, const PackReader& pack,
+                       TimedLoader& loader) {
+  const HasTile has = [&pack](const TileId& id) { return pack.find_index(Layer::heights, id).has_value(); };
+  const auto start = middle_tile(pack);
+  if (!start) return bad_data(o.pack.string() + ": expected tiles of heights, found none");
+  const auto walk = chosen_walk(o);
+  if (!walk) return walk.error();
+  const std::vector<Move> inside = kept_inside(*walk, *start, has);
+  StatsReport report{o.levels, o.walk, o.seed, false, o.pack.string(), {}};
+  for (const Marking marking : markings) {
+    const CountSpec spec{*start, o.levels, marking, o.window, has};
+    auto loads = load_walk(spec, inside, pack, loader);
+    if (!loads) return loads.error();
+    report.markings.push_back({marking, count_walk(spec, inside), std::move(*loads)});
   }
-  return o.csv.empty() ? Status{} : write_text(o.csv, to_csv(report));
+  return write_reports(o, report);
+}
+
+Status use_pack(const Options& o, const std::vector<Marking>& markings) {
+  const auto pack = open_pack(o);
+  if (!pack) return pack.error();
+  if (o.loading == 0) {
+    TimedLoader loader(read_from(*pack), o.workers);
+    return count_over_pack(o, markings, **pack, loader);
+  }
+  const auto times = time_loading(*pack, o.loading, o.workers);
+  if (!times) return times.error();
+  const std::string csv = to_csv(*times);
+  std::cout << csv;
+  return o.csv.empty() ? Status{} : write_text(o.csv, csv);
+}
+
+Status run_checked(const Options& o) {
+  const auto markings = chosen_markings(o.marking);
+  if (!markings) return markings.error();
+  if (!o.draw.empty()) return draw(o, *markings);
+  if (!o.pack.empty()) return use_pack(o, *markings);
+  if (o.loading > 0) return usage_error("--loading: expected --pack, found none");
+  return count(o, *markings);
 }
 
 int run(const Options& o) {
-  const auto markings = chosen_markings(o.marking);
-  const Status status = !markings        ? Status(markings.error())
-                        : o.draw.empty() ? count(o, *markings)
-                                         : draw(o, *markings);
+  const Status status = run_checked(o);
   if (status) return 0;
   std::cerr << "cairn-stats: " << status.error().message << "\n";
   return static_cast<int>(status.error().code);

@@ -107,6 +107,18 @@ std::string to_table(const StatsReport& report) {
                   difference.max, difference.p95, difference.mean, theirs.c_str());
     out << line;
   }
+  if (report.pack.empty()) return out.str();
+  std::snprintf(line, sizeof line, "\n%-11s %9s %9s %9s %9s   %s\n", "marking", "p50 ms", "p95 ms", "p99 ms",
+                "max ms", "KiB a move");
+  out << line;
+  for (const MarkingReport& marking : report.markings) {
+    const Summary ms = summarize_field(marking.loads, &MoveLoad::latency_ms);
+    const Summary bytes = summarize_field(marking.loads, &MoveLoad::bytes);
+    std::snprintf(line, sizeof line, "%-11s %9.2f %9.2f %9.2f %9.2f   %.0f\n",
+                  std::string(to_string(marking.marking)).c_str(), ms.p50, ms.p95, ms.p99, ms.max,
+                  bytes.mean / 1024);
+    out << line;
+  }
   return out.str();
 }
 
