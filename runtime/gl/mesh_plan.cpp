@@ -1,0 +1,219 @@
+#include "runtime/gl/mesh_plan.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <unordered_map>
+
+#include "runtime/gl/patch_partition.h"
+
+namespace cairn::gl {
+namespace {
+
+struct PointHash {
+  std::size_t operator()(const LatticePoint& p) const noexcept {
+    const auto x = static_cast<std::uint64_t>(p.x), y = static_cast<std::uint64_t>(p.y);
+    return static_cast<std::size_t>((x * 0x9E3779B97F4A7C15u) ^ ((y * 0xBF58476D1CE4E5B9u) >> 7));
+  }
+};
+
+/// The surface that decides at points that some patch which touches them has no sample at.
+using Deciders = std::unordered_map<LatticePoint, const SurfaceTile*, PointHash>;
+
+/// What a patch's side is joined to, along a part of it.
+struct Joint {
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+  std::int64_t spacing = 0;  ///< of the vertices that both have
+  const SurfaceTile* surface = nullptr;
+};
+using Joints = std::array<std::vector<Joint>, 4>;
+
+LatticePoint canonical(LatticePoint point) {
+  if (point.x >= kLatticeAround) point.x -= kLatticeAround;
+  return point;
+}
+
+/// No surface (height 0) is the coarsest.
+const SurfaceTile* coarser_of(const SurfaceTile* a, const SurfaceTile* b) {
+  if (!a || !b) return nullptr;
+  return b->id.level < a->id.level ? b : a;
+}
+
+float height_from(const SurfaceTile* surface, LatticePoint point) {
+  if (!surface) return 0;
+  const std::int64_t west = south_west_of(surface->id).x;
+  if (point.x < west) point.x += kLatticeAround;
+  if (point.x > west + lattice_width(surface->id.level)) point.x -= kLatticeAround;
+  return height_at(*surface, point);
+}
+
+/// The fewest cells that have a vertex at the end of the world, where the tile overhangs it.
+int cells_log2_of_overhang(const TileId& area) {
+  const LatticePoint corner = south_west_of(area);
+  const std::int64_t width = lattice_width(area.level);
+  int cells_log2 = 0;
+  for (const std::int64_t inside : {kLatticeAround - corner.x, kLatticePoleToPole - corner.y}) {
+    while (inside < width && inside % (width >> cells_log2) != 0) ++cells_log2;
+  }
+  return cells_log2;
+}
+
+double deviation_m(const Patch& patch, int cells_log2, int tile_cells_log2) {
+  const double chord = chord_deviation_m(patch.area, cells_log2);
+  if (!patch.surface) return chord;
+  const int dropped = patch.surface->id.level + tile_cells_log2 - patch.area.level - cells_log2;
+  const auto k = static_cast<std::size_t>(std::clamp(dropped, 0, kMaxCellsLog2));
+  return chord + static_cast<double>(patch.surface->errors[k]);
+}
+
+int cells_log2_for_eye(const Patch& patch, const MeshRules& rules) {
+  const int finest = cells_log2_of(rules.tile_size);
+  const double allowed_m = rules.tolerance_px * patch.distance_m / rules.pixels_per_radian;
+  int cells_log2 = 0;
+  while (cells_log2 < finest && deviation_m(patch, cells_log2, finest) > allowed_m) ++cells_log2;
+  return cells_log2;
+}
+
+class Planner {
+ public:
+  Planner(std::span<const MeshArea> areas, const MeshRules& rules)
+      : rules_(rules), patches_(partition_areas(areas, rules)), segments_(shared_segments(patches_)) {}
+
+  MeshPlan plan() {
+    choose_grids();
+    join_sides();
+    for (std::size_t i = 0; i < patches_.size(); ++i) append_patch(i);
+    return std::move(plan_);
+  }
+
+ private:
+  void choose_grids() {
+    for (const Patch& patch : patches_) {
+      cells_log2_.push_back(std::max(cells_log2_for_eye(patch, rules_), cells_log2_of_overhang(patch.area)));
+    }
+    for (const SharedSegment& s : segments_) {
+      const int step = patches_[s.finer].area.level - patches_[s.coarser].area.level;
+      cells_log2_[s.coarser] = std::max(cells_log2_[s.coarser], step);
+    }
+  }
+
+  std::int64_t spacing(std::size_t patch) const {
+    return lattice_width(patches_[patch].area.level + cells_log2_[patch]);
+  }
+
+  void join_sides() {
+    joints_.resize(patches_.size());
+    for (const SharedSegment& s : segments_) {
+      const std::int64_t common = std::max(spacing(s.finer), spacing(s.coarser));
+      const SurfaceTile* mine = patches_[s.finer].surface;
+      const SurfaceTile* theirs = patches_[s.coarser].surface;
+      add_joint(s.finer, s.finer_side, {s.along_first, s.along_last, common, coarser_of(mine, theirs)});
+      add_joint(s.coarser, s.coarser_side(), {s.along_first, s.along_last, common, coarser_of(theirs, mine)});
+      if (!samples_at_ends(s)) decide_ends(s);
+    }
+  }
+
+  void add_joint(std::size_t patch, Side side, const Joint& joint) {
+    joints_[patch][static_cast<std::size_t>(side)].push_back(joint);
+  }
+
+  /// Whether both surfaces have samples where the segment ends: else they disagree there.
+  bool samples_at_ends(const SharedSegment& s) const {
+    const SurfaceTile* a = patches_[s.finer].surface;
+    const SurfaceTile* b = patches_[s.coarser].surface;
+    if (!a || !b) return a == b;
+    const int coarser = std::min(a->id.level, b->id.level);
+    return patches_[s.finer].area.level <= coarser + cells_log2_of(rules_.tile_size);
+  }
+
+  void decide_ends(const SharedSegment& s) {
+    const SurfaceTile* surface = coarser_of(patches_[s.finer].surface, patches_[s.coarser].surface);
+    for (const std::int64_t along : {s.along_first, s.along_last}) {
+      const LatticePoint point = canonical(point_on(patches_[s.finer].area, s.finer_side, along));
+      const auto [it, fresh] = deciders_.emplace(point, surface);
+      if (!fresh) it->second = coarser_of(it->second, surface);
+    }
+  }
+
+  static LatticePoint point_on(const TileId& area, Side side, std::int64_t along) {
+    const LatticePoint corner = south_west_of(area);
+    const std::int64_t width = lattice_width(area.level);
+    switch (side) {
+      case Side::south:
+        return {along, corner.y};
+      case Side::north:
+        return {along, std::min(corner.y + width, kLatticePoleToPole)};
+      case Side::west:
+        return {corner.x, along};
+      default:
+        return {std::min(corner.x + width, kLatticeAround), along};
+    }
+  }
+
+  void append_patch(std::size_t index) {
+    const Patch& patch = patches_[index];
+    const LatticePoint corner = south_west_of(patch.area);
+    const int cells = 1 << cells_log2_[index];
+    GridPatch grid{patch.area, patch.from, cells_log2_[index], cells, cells, plan_.perimeter.size()};
+    const std::int64_t step = spacing(index);
+    grid.cells_east = static_cast<int>(std::min<std::int64_t>(cells, (kLatticeAround - corner.x) / step));
+    grid.cells_north =
+        static_cast<int>(std::min<std::int64_t>(cells, (kLatticePoleToPole - corner.y) / step));
+    plan_.patches.push_back(grid);
+    for (Side side : {Side::south, Side::north, Side::west, Side::east}) append_side(index, grid, side);
+  }
+
+  void append_side(std::size_t index, const GridPatch& grid, Side side) {
+    const LatticePoint corner = south_west_of(grid.area);
+    const bool vertical = side == Side::west || side == Side::east;
+    const std::int64_t origin = vertical ? corner.y : corner.x;
+    const std::int64_t step = spacing(index);
+    const int last = vertical ? grid.cells_north : grid.cells_east;
+    for (int k = 0; k <= grid.cells(); ++k) {
+      const std::int64_t along = origin + std::min(k, last) * step;
+      const auto [snapped, height] = snap(index, side, along);
+      const auto moved = static_cast<std::uint16_t>((snapped - origin) / step);
+      const auto east = static_cast<std::uint16_t>(side == Side::west ? 0 : grid.cells_east);
+      const auto north = static_cast<std::uint16_t>(side == Side::south ? 0 : grid.cells_north);
+      plan_.perimeter.push_back(vertical ? PerimeterVertex{east, moved, height}
+                                         : PerimeterVertex{moved, north, height});
+    }
+  }
+
+  struct Snapped {
+    std::int64_t along = 0;
+    float height_m = 0;
+  };
+  Snapped snap(std::size_t index, Side side, std::int64_t along) const {
+    const SurfaceTile* surface = patches_[index].surface;
+    for (const Joint& joint : joints_[index][static_cast<std::size_t>(side)]) {
+      if (along < joint.first || along > joint.last) continue;
+      along = (along + joint.spacing / 2) / joint.spacing * joint.spacing;
+      surface = joint.surface;
+      break;
+    }
+    const LatticePoint point = point_on(patches_[index].area, side, along);
+    if (!deciders_.empty()) {
+      if (const auto it = deciders_.find(canonical(point)); it != deciders_.end()) surface = it->second;
+    }
+    return {along, height_from(surface, point)};
+  }
+
+  const MeshRules rules_;
+  std::vector<Patch> patches_;
+  std::vector<SharedSegment> segments_;
+  std::vector<int> cells_log2_;
+  std::vector<Joints> joints_;
+  Deciders deciders_;
+  MeshPlan plan_;
+};
+
+}  // namespace
+
+MeshPlan plan_mesh(std::span<const MeshArea> areas, const MeshRules& rules) {
+  return Planner(areas, rules).plan();
+}
+
+}  // namespace cairn::gl

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include <glm/vec3.hpp>
+
+#include "format/status.h"
+#include "runtime/gl/height_upload.h"
+#include "runtime/render_list.h"
+#include "runtime/view_state.h"
+
+namespace cairn::gl {
+
+/// How a frame looks.
+struct FrameLook {
+  glm::dvec3 to_sun{0, 0, 1};            ///< geocentric, unit length
+  std::optional<glm::vec3> hole_colour;  ///< linear RGB: drawn where no terrain is, instead of the sky
+  bool fog = true;
+  bool wireframe = false;
+  bool level_colours = false;  ///< a colour for each level instead of imagery or tint
+  double tolerance_px = 1;     ///< screen error that the mesh may add to the tiles' own; > 0
+};
+
+/// What a frame took.
+struct FrameCounts {
+  std::size_t patches = 0;
+  std::size_t triangles = 0;
+  std::size_t uploads = 0;      ///< tiles that became textures
+  std::uint64_t gpu_bytes = 0;  ///< of textures and buffers
+};
+
+/// Draws what the runtime core says, with OpenGL 4.5; the only part of cairn that knows it. Everything is
+/// called with one context current, from its thread. docs/viewer.md says how it draws.
+class Renderer {
+ public:
+  /// failed where the context is older than 4.5 or a shader is refused. `tile_size` and `quantum_m` are the
+  /// pack's; `uploads` outlives the renderer.
+  static Result<Renderer> create(int tile_size, double quantum_m, HeightUploads& uploads);
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+  ~Renderer();
+
+  /// Draws a frame into the framebuffer, which needs an sRGB colour and a float depth attachment, over the
+  /// view's whole viewport.
+  FrameCounts draw(const RenderList& list, const ViewState& view, const FrameLook& look,
+                   unsigned framebuffer);
+
+  /// What this context cannot show of what it was given, each once, since the last call.
+  std::vector<Error> take_errors();
+
+ private:
+  struct State;
+  explicit Renderer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cairn::gl

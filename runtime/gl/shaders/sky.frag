@@ -1,0 +1,43 @@
+#version 450 core
+
+layout(location = 3) uniform vec3 eye_geocentric;
+layout(location = 4) uniform vec3 to_sun;
+
+layout(location = 0) in vec3 ray;
+layout(location = 0) out vec4 colour;
+
+// Light scattered once, by air whose density falls off as exp(-height / 8 km) around a sphere. Rayleigh's
+// coefficients are those of sea-level air at 680, 550 and 440 nm.
+const float kRadius = 6371000.0, kTop = 100000.0, kScale = 8000.0;
+const vec3 kScatter = vec3(5.8e-6, 13.5e-6, 33.1e-6);
+const int kSteps = 16;
+
+void main() {
+  vec3 d = normalize(ray);
+  // Heights above the ellipsoid, not the sphere, decide how much air there is.
+  vec3 e = eye_geocentric * vec3(1.0, 1.0, 6378137.0 / 6356752.3142) * (kRadius / 6378137.0);
+  float middle = -dot(e, d);
+  float nearest2 = dot(e, e) - middle * middle;
+  float outer2 = (kRadius + kTop) * (kRadius + kTop);
+  vec3 sum = vec3(0);
+  if (nearest2 < outer2) {
+    float half_chord = sqrt(outer2 - nearest2);
+    float first = max(middle - half_chord, 0.0), last = middle + half_chord;
+    if (last > first) {
+      float depth = 0.0;
+      float step_length = (last - first) / float(kSteps);
+      for (int i = 0; i < kSteps; ++i) {
+        vec3 at = e + d * (first + (float(i) + 0.5) * step_length);
+        float r = length(at);
+        float density = exp(-max(r - kRadius, 0.0) / kScale) * step_length;
+        float day = smoothstep(-0.15, 0.2, dot(at / r, to_sun));
+        sum += density * day * exp(-kScatter * (depth + 0.5 * density));
+        depth += density;
+      }
+    }
+  }
+  float cosine = dot(d, to_sun);
+  vec3 light = 6.0 * kScatter * sum * (3.0 / (16.0 * 3.14159265)) * (1.0 + cosine * cosine) * 3.0;
+  vec3 sun = smoothstep(0.99996, 0.99998, cosine) * vec3(8.0, 7.4, 6.5);
+  colour = vec4(1.0 - exp(-(light + sun)), 1.0);
+}

@@ -1,0 +1,115 @@
+#version 450 core
+
+struct Patch {
+  uint column_table;  // of the first entry
+  uint row_table;
+  uint cells_log2;
+  uint cells_east;
+  uint cells_north;
+  uint perimeter;     // of the first entry
+  int height_layer;   // < 0: none, all heights are 0
+  int imagery_array;  // 0: none; 1 BC1, 2 BC3, 3 BC7
+  float height_base;
+  float height_scale;
+  float height_step;  // samples of the source a cell
+  int imagery_layer;
+  vec2 height_origin;  // the source's sample at the patch's south-west corner
+  vec2 imagery_origin;  // 0…1 in the source, from its south-west corner
+  float imagery_scale;
+  int level;
+};
+struct PerimeterVertex {
+  uint column_row;  // 16 bits each
+  float height;
+};
+layout(std430, binding = 0) readonly buffer Patches { Patch patches[]; };
+layout(std430, binding = 1) readonly buffer Perimeter { PerimeterVertex perimeter[]; };
+layout(std430, binding = 2) readonly buffer Columns { dvec2 columns[]; };
+layout(std430, binding = 3) readonly buffer Rows { dvec4 rows[]; };
+
+layout(binding = 0) uniform sampler2DArray height_texels;
+
+layout(location = 0) uniform dvec3 eye;
+layout(location = 1) uniform mat4 clip_from_eye;
+layout(location = 2) uniform uint tile_cells_log2;
+
+layout(location = 0) in uint patch_index;
+
+layout(location = 0) out vec2 patch_place;  // 0…1 from the south-west corner
+layout(location = 1) out vec3 from_eye;
+layout(location = 2) out float height;
+layout(location = 3) flat out uint patch_of;
+
+out gl_PerVertex {
+  vec4 gl_Position;
+  float gl_ClipDistance[1];
+};
+
+const uint kVoidTexel = 65535u;
+
+// The 16 bits as stored; the texture is a normalised one so that terrain.frag can filter it.
+uint texel(Patch p, ivec2 at) {
+  ivec3 place = ivec3(min(at, ivec2(1 << tile_cells_log2)), p.height_layer);
+  return uint(round(texelFetch(height_texels, place, 0).r * 65535.0));
+}
+
+// NaN for a void would not survive every driver: the flag is apart.
+float sampled_height(Patch p, uvec2 vertex, out bool is_void) {
+  is_void = false;
+  if (p.height_layer < 0) return 0.0;
+  vec2 at = p.height_origin + vec2(vertex) * p.height_step;
+  ivec2 low = ivec2(floor(at));
+  vec2 part = at - vec2(low);
+  uint sw = texel(p, low);
+  if (part == vec2(0)) {
+    is_void = sw == kVoidTexel;
+    return p.height_base + float(sw) * p.height_scale;
+  }
+  uint se = texel(p, low + ivec2(1, 0)), nw = texel(p, low + ivec2(0, 1)), ne = texel(p, low + ivec2(1, 1));
+  is_void = max(max(sw, se), max(nw, ne)) == kVoidTexel;
+  float mixed = mix(mix(float(sw), float(se), part.x), mix(float(nw), float(ne), part.x), part.y);
+  return p.height_base + mixed * p.height_scale;
+}
+
+uint perimeter_index(uvec2 v, Patch p, uint cells) {
+  uint side = cells + 1u;
+  if (v.y == 0u) return v.x;
+  if (v.y == p.cells_north) return side + v.x;
+  if (v.x == 0u) return 2u * side + v.y;
+  return 3u * side + v.y;
+}
+
+void main() {
+  Patch p = patches[patch_index];
+  uint cells = 1u << p.cells_log2;
+  uvec2 v = uvec2(uint(gl_VertexID) % (cells + 1u), uint(gl_VertexID) / (cells + 1u));
+  v = min(v, uvec2(p.cells_east, p.cells_north));
+  float h;
+  bool is_void;
+  if (v.x == 0u || v.y == 0u || v.x == p.cells_east || v.y == p.cells_north) {
+    PerimeterVertex on_side = perimeter[p.perimeter + perimeter_index(v, p, cells)];
+    v = uvec2(on_side.column_row & 65535u, on_side.column_row >> 16);
+    h = on_side.height;
+    is_void = isnan(h);
+  } else {
+    h = sampled_height(p, v, is_void);
+  }
+  if (is_void) h = 0.0;
+
+  // Doubles until the eye is subtracted: a float at the Earth's radius has steps of half a metre. The same
+  // entries and the same operations give the same bits for a vertex of any patch.
+  uvec2 entry = v << (tile_cells_log2 - p.cells_log2);
+  dvec2 column = columns[p.column_table + entry.x];
+  dvec4 row = rows[p.row_table + entry.y];
+  double hd = double(h);
+  precise double from_axis = row.x + hd * row.y;
+  precise dvec3 relative = dvec3(from_axis * column.x - eye.x, from_axis * column.y - eye.y,
+                                 (row.z + hd * row.w) - eye.z);
+  from_eye = vec3(relative);
+  precise vec4 clip = clip_from_eye * vec4(from_eye, 1.0);
+  gl_Position = clip;
+  gl_ClipDistance[0] = is_void ? -1e9 : 1.0;
+  patch_place = vec2(v) / float(cells);
+  height = h;
+  patch_of = patch_index;
+}

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "format/height_tile.h"
+#include "format/tile_id.h"
+
+namespace cairn::gl {
+
+/// The largest log2 of intervals along a tile's side: 513 samples.
+inline constexpr int kMaxCellsLog2 = 9;
+
+/// log2 of the intervals along the side of a tile: 9 or 8. REQUIRES: 513 or 257.
+int cells_log2_of(int tile_size);
+
+/// How far the surface of a tile is from what is left of it when only every 2^k-th row and column are kept,
+/// k = 0…9: an upper bound in metres, the sum over the steps of the largest deviation that the step adds. The
+/// surface is that of triangles whose diagonals run from south-west to north-east. Entries beyond the tile's
+/// last step repeat it.
+using DecimationErrors = std::array<float, kMaxCellsLog2 + 1>;
+DecimationErrors decimation_errors(const HeightTile& tile, double quantum_m);
+
+/// Heights as a GPU stores them: metres = base_m + texel · scale_m. 65535 is a void.
+struct HeightTexels {
+  float base_m = 0;
+  float scale_m = 0;
+  float high_m = 0;                   ///< the highest; the lowest is base_m
+  std::vector<std::uint16_t> texels;  ///< as HeightTile::samples
+};
+
+/// The scale is the pack's quantum, doubled until the tile's range fits: at 0.25 m a tile may span 16 km.
+HeightTexels height_texels(const HeightTile& tile, double quantum_m);
+inline constexpr std::uint16_t kVoidTexel = 65535;
+
+/// What the renderer keeps of a tile of heights on the CPU.
+struct SurfaceTile {
+  TileId id;
+  std::shared_ptr<const HeightTile> heights;
+  double quantum_m = 0;
+  double low_m = 0;  ///< no sample is outside these
+  double high_m = 0;
+  DecimationErrors errors{};
+};
+
+/// A place on the grid of the finest lattice that there can be, in units of 2^-29 degree from 180°W and 90°S:
+/// a sample of level 20 tiles of 513. Exact for every sample of every tile.
+struct LatticePoint {
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+  friend bool operator==(const LatticePoint&, const LatticePoint&) = default;
+};
+inline constexpr int kLatticeLevel = kMaxLevel + kMaxCellsLog2;
+inline constexpr std::int64_t kLatticeAround = std::int64_t{360} << kLatticeLevel;
+inline constexpr std::int64_t kLatticePoleToPole = std::int64_t{180} << kLatticeLevel;
+
+/// Units along the side of a tile, and its south-west corner.
+inline std::int64_t lattice_width(int level) {
+  return std::int64_t{1} << (kLatticeLevel - level);
+}
+LatticePoint south_west_of(const TileId& id);
+
+/// The height in metres, bilinear between samples, in the same way from every tile that has them; NaN where a
+/// sample that it needs is void. REQUIRES: the point lies in the tile, edges included.
+float height_at(const SurfaceTile& tile, const LatticePoint& point);
+
+}  // namespace cairn::gl

@@ -1,0 +1,136 @@
+#include "runtime/gl/tile_textures.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+
+#include "runtime/gl/normal_map.h"
+
+namespace cairn::gl {
+namespace {
+
+constexpr std::uint32_t kFirstLayers = 16;
+constexpr float kAnisotropy = 4;
+
+void clamp_to_edge(GLuint texture) {
+  glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+void filter_linear(GLuint texture) {
+  clamp_to_edge(texture);
+  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+}
+
+void filter_imagery(GLuint texture) {
+  filter_linear(texture);
+  if (epoxy_has_gl_extension("GL_ARB_texture_filter_anisotropic") ||
+      epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic")) {
+    glTextureParameterf(texture, GL_TEXTURE_MAX_ANISOTROPY, kAnisotropy);
+  }
+}
+
+void filter_without_mips(GLuint texture) {
+  clamp_to_edge(texture);
+  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+}
+
+/// The layer for a tile; doubles the arrays where every layer is in use.
+template <class Grow>
+std::uint32_t layer_for(SlotPool<TileId>& slots, const TileId& id, Grow grow) {
+  if (const auto slot = slots.take(id)) return *slot;
+  const std::uint32_t capacity = std::max(kFirstLayers, slots.capacity() * 2);
+  grow(capacity);
+  slots.grow(capacity);
+  return *slots.take(id);
+}
+
+void upload_compressed(const LayerArray& array, std::uint32_t layer, int mip, std::size_t bytes,
+                       const std::byte* texels) {
+  const GLsizei size = std::max(array.size() >> mip, 1);
+  glCompressedTextureSubImage3D(array.name(), mip, 0, 0, static_cast<GLint>(layer), size, size, 1,
+                                array.format(), static_cast<GLsizei>(bytes), texels);
+}
+
+GLenum srgb_format(TextureFormat format) {
+  switch (format) {
+    case TextureFormat::bc1:
+      return GL_COMPRESSED_SRGB_ALPHA_S3TC_DXT1_EXT;
+    case TextureFormat::bc3:
+      return GL_COMPRESSED_SRGB_ALPHA_S3TC_DXT5_EXT;
+    default:
+      return GL_COMPRESSED_SRGB_ALPHA_BPTC_UNORM;
+  }
+}
+
+bool can_read(TextureFormat format) {
+  if (format == TextureFormat::bc7) return epoxy_has_gl_extension("GL_ARB_texture_compression_bptc");
+  return epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc") &&
+         (epoxy_has_gl_extension("GL_EXT_texture_sRGB") ||
+          epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc_srgb"));
+}
+
+}  // namespace
+
+HeightTextures::HeightTextures(int tile_size)
+    : heights_(GL_R16, tile_size, 1), normals_(GL_COMPRESSED_SIGNED_RG_RGTC2, tile_size - 1, kNormalMips) {}
+
+std::uint32_t HeightTextures::add(const TileId& id, const HeightUpload& upload) {
+  const std::uint32_t layer = layer_for(slots_, id, [this](std::uint32_t capacity) {
+    heights_.grow(capacity, filter_without_mips);
+    normals_.grow(capacity, filter_linear);
+  });
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTextureSubImage3D(heights_.name(), 0, 0, 0, static_cast<GLint>(layer), heights_.size(), heights_.size(),
+                      1, GL_RED, GL_UNSIGNED_SHORT, upload.heights.texels.data());
+  const std::byte* texels = upload.normals.data();
+  for (int mip = 0; mip < kNormalMips; ++mip) {
+    const auto side = static_cast<std::size_t>(normals_.size() >> mip);
+    upload_compressed(normals_, layer, mip, side * side, texels);
+    texels += side * side;
+  }
+  return layer;
+}
+
+void HeightTextures::bind(GLuint heights_unit, GLuint normals_unit) const {
+  glBindTextureUnit(heights_unit, heights_.name());
+  glBindTextureUnit(normals_unit, normals_.name());
+}
+
+std::uint64_t HeightTextures::bytes() const {
+  const auto samples =
+      static_cast<std::uint64_t>(heights_.size()) * static_cast<std::uint64_t>(heights_.size());
+  const auto cells =
+      static_cast<std::uint64_t>(normals_.size()) * static_cast<std::uint64_t>(normals_.size());
+  return slots_.capacity() * (samples * 2 + cells * 4 / 3);
+}
+
+ImageryTextures::ImageryTextures(TextureFormat format, int size)
+    : format_(format),
+      supported_(can_read(format)),
+      layers_(srgb_format(format), size, std::bit_width(static_cast<unsigned>(size))) {}
+
+std::uint32_t ImageryTextures::add(const TileId& id, const TextureTile& tile) {
+  assert(supported_ && tile.format == format_ && tile.size == layers_.size());
+  const std::uint32_t layer =
+      layer_for(slots_, id, [this](std::uint32_t capacity) { layers_.grow(capacity, filter_imagery); });
+  const std::byte* texels = tile.texels.data();
+  for (int mip = 0; mip < layers_.mips(); ++mip) {
+    const std::size_t bytes = texture_image_bytes(format_, std::max(layers_.size() >> mip, 1));
+    upload_compressed(layers_, layer, mip, bytes, texels);
+    texels += bytes;
+  }
+  return layer;
+}
+
+void ImageryTextures::bind(GLuint unit) const {
+  glBindTextureUnit(unit, layers_.name());
+}
+
+std::uint64_t ImageryTextures::bytes() const {
+  return slots_.capacity() * static_cast<std::uint64_t>(texture_chain_bytes(format_, layers_.size()));
+}
+
+}  // namespace cairn::gl

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <filesystem>
+
+#include "format/status.h"
+#include "runtime/gl/picture.h"
+
+namespace cairn::viewer {
+
+/// Writes the picture as an 8-bit sRGB PNG. failed names the file.
+Status write_png(const std::filesystem::path& path, const gl::Picture& picture);
+
+}  // namespace cairn::viewer

@@ -1,0 +1,71 @@
+#include "runtime/viewer/scene.h"
+
+#include <chrono>
+#include <iterator>
+#include <thread>
+#include <utility>
+
+namespace cairn::viewer {
+
+Scene::Scene(std::shared_ptr<const PackReader> pack, std::unique_ptr<gl::HeightUploads> uploads,
+             Terrain terrain, gl::Renderer renderer)
+    : pack_(std::move(pack)),
+      uploads_(std::move(uploads)),
+      terrain_(std::move(terrain)),
+      renderer_(std::move(renderer)) {}
+
+Result<Scene> Scene::open(const Options& options) {
+  Result<PackReader> reader = PackReader::open(options.pack);
+  if (!reader) return reader.error();
+  auto pack = std::make_shared<const PackReader>(std::move(*reader));
+  const PackHeader& header = pack->header();
+  auto uploads = std::make_unique<gl::HeightUploads>();
+  Result<gl::Renderer> renderer = gl::Renderer::create(header.tile_size, header.quantum_m, *uploads);
+  if (!renderer) return renderer.error();
+  TerrainOptions terrain_options;
+  terrain_options.cache_bytes = options.cache_mib << 20;
+  Result<Terrain> terrain =
+      Terrain::open(pack, terrain_options, uploads->preparing(read_from(pack), header.quantum_m));
+  if (!terrain) return terrain.error();
+  return Scene(std::move(pack), std::move(uploads), std::move(*terrain), std::move(*renderer));
+}
+
+gl::FrameCounts Scene::draw(const ViewState& view, double dt_s, const gl::FrameLook& look,
+                            unsigned framebuffer) {
+  list_ = &terrain_.update(view, dt_s);
+  errors_.insert(errors_.end(), list_->errors.begin(), list_->errors.end());
+  return renderer_.draw(*list_, view, look, framebuffer);
+}
+
+void Scene::load_all(const ViewState& view) {
+  for (;;) {
+    list_ = &terrain_.update(view, 0);
+    errors_.insert(errors_.end(), list_->errors.begin(), list_->errors.end());
+    if (list_->is_complete) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+std::vector<Error> Scene::take_errors() {
+  std::vector<Error> errors = renderer_.take_errors();
+  errors.insert(errors.end(), std::make_move_iterator(errors_.begin()),
+                std::make_move_iterator(errors_.end()));
+  errors_.clear();
+  return errors;
+}
+
+Result<gl::FrameLook> look_of(const Options& options) {
+  gl::FrameLook look;
+  look.fog = !options.no_fog;
+  look.wireframe = options.wireframe;
+  look.level_colours = options.levels;
+  look.tolerance_px = options.tolerance_px;
+  if (!options.hole_colour.empty()) {
+    const Result<glm::vec3> colour = parse_colour(options.hole_colour);
+    if (!colour) return colour.error();
+    look.hole_colour = *colour;
+  }
+  return look;
+}
+
+}  // namespace cairn::viewer

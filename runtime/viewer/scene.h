@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "format/pack_reader.h"
+#include "format/status.h"
+#include "runtime/gl/frame_target.h"
+#include "runtime/gl/renderer.h"
+#include "runtime/terrain.h"
+#include "runtime/viewer/options.h"
+
+namespace cairn::viewer {
+
+/// A pack, its terrain and its renderer: what a window and a picture have in common. One context is current
+/// for as long as it lives.
+class Scene {
+ public:
+  static Result<Scene> open(const Options& options);
+
+  /// One frame into the framebuffer.
+  gl::FrameCounts draw(const ViewState& view, double dt_s, const gl::FrameLook& look, unsigned framebuffer);
+
+  /// Draws no frame, but lets the terrain load until the view has all that the pack has for it.
+  void load_all(const ViewState& view);
+
+  const PackReader& pack() const { return *pack_; }
+  const Terrain& terrain() const { return terrain_; }
+  const RenderList* list() const { return list_; }
+
+  /// What went wrong since the last call, each thing once.
+  std::vector<Error> take_errors();
+
+ private:
+  Scene(std::shared_ptr<const PackReader> pack, std::unique_ptr<gl::HeightUploads> uploads, Terrain terrain,
+        gl::Renderer renderer);
+
+  std::shared_ptr<const PackReader> pack_;
+  std::unique_ptr<gl::HeightUploads> uploads_;  // outlives the terrain's workers and the renderer
+  Terrain terrain_;
+  gl::Renderer renderer_;
+  const RenderList* list_ = nullptr;
+  std::vector<Error> errors_;
+};
+
+/// The direction to the sun, geocentric, at an hour of local solar time at the place, 0…24, at the summer
+/// solstice of the place's hemisphere.
+glm::dvec3 sun_direction(LonLat place, double hour);
+
+/// The view that the pack's bounds fill.
+ViewState start_view(const PackReader& pack, double fov_deg, Size size);
+
+/// The frame's look that the options ask for, apart from the sun.
+Result<gl::FrameLook> look_of(const Options& options);
+
+}  // namespace cairn::viewer

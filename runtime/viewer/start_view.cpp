@@ -1,0 +1,61 @@
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "runtime/geodesy.h"
+#include "runtime/viewer/scene.h"
+
+namespace cairn::viewer {
+namespace {
+
+constexpr double kDeclination = 23.44;  // of the sun at the solstice, degrees
+constexpr double kPitch = -50;
+
+/// The metadata's bounds; the whole Earth where it has none.
+GeoBounds bounds_of(const PackReader& pack) {
+  const auto json = nlohmann::json::parse(pack.metadata_json(), nullptr, false);
+  const auto bounds = json.is_object() ? json.find("bounds") : json.end();
+  if (!json.is_object() || bounds == json.end() || !bounds->is_object()) return {-180, -90, 180, 90};
+  return {bounds->value("west", -180.0), bounds->value("south", -90.0), bounds->value("east", 180.0),
+          bounds->value("north", 90.0)};
+}
+
+}  // namespace
+
+glm::dvec3 sun_direction(LonLat place, double hour) {
+  const double lon = glm::radians(place.lon - (hour - 12) * 15);
+  const double lat = glm::radians(place.lat < 0 ? -kDeclination : kDeclination);
+  return {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
+}
+
+ViewState start_view(const PackReader& pack, double fov_deg, Size size) {
+  const GeoBounds bounds = bounds_of(pack);
+  ViewState view;
+  view.fov_y_deg = fov_deg;
+  view.viewport_width_px = size.width;
+  view.viewport_height_px = size.height;
+  const LonLat middle{(bounds.west + bounds.east) / 2, (bounds.south + bounds.north) / 2};
+  const double degree = glm::radians(kEquatorialRadius);
+  const double wide = std::min(bounds.width(), 180.0) * degree * std::cos(glm::radians(middle.lat));
+  const double high = std::min(bounds.height(), 180.0) * degree;
+  const double half_fov = glm::radians(fov_deg) / 2;
+  const double aspect = static_cast<double>(size.width) / size.height;
+  const double distance = std::max(high, wide / aspect) / 2 / std::tan(half_fov);
+  if (bounds.width() > 60 || bounds.height() > 60) {
+    view.eye = middle;
+    view.height_m = std::max(distance, 2.2 * kEquatorialRadius / std::tan(half_fov) / 2);
+    view.pitch_deg = -90;
+    return view;
+  }
+  // South of the middle, looking north and down at it.
+  const double back = distance * std::cos(glm::radians(-kPitch));
+  view.eye = {middle.lon, std::max(middle.lat - back / degree, -90.0)};
+  view.height_m = distance * std::sin(glm::radians(-kPitch));
+  view.pitch_deg = kPitch;
+  return view;
+}
+
+}  // namespace cairn::viewer
