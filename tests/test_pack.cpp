@@ -90,7 +90,7 @@ std::string test_metadata(const PackHeader& header, const std::vector<IndexEntry
     out << (it == errors.begin() ? "" : ",") << R"({"level":)" << it->first << R"(,"max_error_m":)"
         << it->second << "}";
   }
-  out << R"(],"sources":[{"path":"made.hgt","format":"hgt","posts_won":9}],"options":{}})";
+  out << R"(],"sources":[{"name":"made.hgt","format":"hgt","posts_won":9}],"options":{}})";
   return out.str();
 }
 

@@ -53,8 +53,8 @@ void print_sources(const Json& sources) {
   if (!sources.is_array()) return;
   fmt::print("sources        {}\n", sources.size());
   for (const Json& source : sources) {
-    const bool named = source.is_object() && source.contains("path") && source.at("path").is_string();
-    fmt::print("  {}", named ? source.at("path").get<std::string>() : "?");
+    const bool named = source.is_object() && source.contains("name") && source.at("name").is_string();
+    fmt::print("  {}", named ? source.at("name").get<std::string>() : "?");
     if (const double won = number(source, "posts_won"); !std::isnan(won))
       fmt::print("  {:.0f} posts won", won);
     fmt::print("\n");
