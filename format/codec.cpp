@@ -2,10 +2,10 @@
 
 namespace cairn {
 
-extern const HeightCodec planes_codec;
+extern const HeightCodec wavefront_codec;
 
 const HeightCodec& default_height_codec() {
-  return planes_codec;
+  return wavefront_codec;
 }
 
 const HeightCodec* find_height_codec(std::uint8_t id) {

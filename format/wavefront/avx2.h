@@ -1,0 +1,41 @@
+#pragma once
+
+// For the files that hold code for AVX2. It runs only where cpu_has_avx2(), and gives what the portable code
+// gives.
+
+#if defined(__x86_64__)
+
+#include <immintrin.h>
+
+#define CAIRN_AVX2 __attribute__((target("avx2,bmi,bmi2,lzcnt,popcnt")))
+#define CAIRN_AVX2_INLINE CAIRN_AVX2 inline __attribute__((always_inline))
+
+namespace cairn::wavefront {
+
+inline bool cpu_has_avx2() {
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
+         __builtin_cpu_supports("lzcnt") && __builtin_cpu_supports("popcnt");
+}
+
+/// Transposes 16-bit values: row i of the result is column i of the rows.
+CAIRN_AVX2_INLINE void transpose8(const __m128i (&rows)[8], __m128i (&columns)[8]) {
+  __m128i a[8], b[8];
+  for (int i = 0; i < 4; ++i) {
+    a[2 * i] = _mm_unpacklo_epi16(rows[2 * i], rows[2 * i + 1]);
+    a[2 * i + 1] = _mm_unpackhi_epi16(rows[2 * i], rows[2 * i + 1]);
+  }
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      b[4 * i + 2 * j] = _mm_unpacklo_epi32(a[4 * i + j], a[4 * i + 2 + j]);
+      b[4 * i + 2 * j + 1] = _mm_unpackhi_epi32(a[4 * i + j], a[4 * i + 2 + j]);
+    }
+  }
+  for (int i = 0; i < 4; ++i) {
+    columns[2 * i] = _mm_unpacklo_epi64(b[i], b[4 + i]);
+    columns[2 * i + 1] = _mm_unpackhi_epi64(b[i], b[4 + i]);
+  }
+}
+
+}  // namespace cairn::wavefront
+
+#endif
