@@ -74,4 +74,14 @@ double metres_of_unit(int epsg_unit) {
   }
 }
 
+double metres_of_unit(std::string_view name) {
+  for (const std::string_view metre : {"", "m", "metre", "meter", "metres", "meters"})
+    if (name == metre) return 1;
+  for (const std::string_view foot : {"ft", "foot", "feet", "international foot"})
+    if (name == foot) return metres_of_unit(9002);
+  for (const std::string_view foot : {"US survey foot", "us-ft", "ftUS", "us_survey_foot", "sfoot"})
+    if (name == foot) return metres_of_unit(9003);
+  return 0;
+}
+
 }  // namespace cairn

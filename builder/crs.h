@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "builder/georeference.h"
 
 namespace cairn {
@@ -17,5 +19,8 @@ bool set_utm(Georeference& georeference, int zone, bool north);
 
 /// Metres of a vertical unit by its EPSG code (9001 metre, 9002 foot, 9003 US survey foot), or 0.
 double metres_of_unit(int epsg_unit);
+
+/// The same by the unit's name as files spell it: "m", "metre", "ft", "US survey foot" …; "" is the metre.
+double metres_of_unit(std::string_view name);
 
 }  // namespace cairn

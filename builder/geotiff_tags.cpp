@@ -96,21 +96,6 @@ Status check_units(const GeoTiffTags& tags, const std::filesystem::path& path, b
   return {};
 }
 
-Status read_crs(const GeoTiffTags& tags, const std::filesystem::path& path, Georeference& g) {
-  const int model = key(tags, kModelType), projected = key(tags, kProjectedType);
-  if (model == kProjected || (model == 0 && projected != 0)) {
-    const bool spelt_out = projected == 0 || projected == kUserDefined;
-    const bool known = spelt_out ? has_known_datum(tags) && set_user_defined_utm(tags, g)
-                                 : set_crs(g, projected) && g.crs != Georeference::Crs::geographic;
-    if (!known) return unknown_crs(tags, path);
-    return check_units(tags, path, true);
-  }
-  if (model != 0 && model != kGeographic) return unknown_crs(tags, path);
-  if (!has_known_datum(tags)) return unknown_crs(tags, path);
-  g.crs = Georeference::Crs::geographic;
-  return check_units(tags, path, false);
-}
-
 /// Raster coordinates (i, j) to the CRS: x = a·i + b, y = d·j + e.
 struct Affine {
   double a = 0, b = 0, d = 0, e = 0;
@@ -156,17 +141,6 @@ std::optional<std::string> metadata_item(std::string_view xml, std::string_view 
       return std::string(xml.substr(open_end + 1, close - open_end - 1));
   }
   return std::nullopt;
-}
-
-/// Metres of a unit by its name, or 0.
-double metres_of_name(std::string_view unit) {
-  for (const std::string_view metre : {"", "m", "metre", "meter", "metres", "meters"})
-    if (unit == metre) return 1;
-  for (const std::string_view foot : {"ft", "foot", "feet", "international foot"})
-    if (unit == foot) return metres_of_unit(9002);
-  for (const std::string_view foot : {"US survey foot", "us-ft", "ftUS", "us_survey_foot", "sfoot"})
-    if (unit == foot) return metres_of_unit(9003);
-  return 0;
 }
 
 /// Metres of the vertical CRS's unit; 0 where it is unknown or counts downwards.
@@ -227,6 +201,21 @@ GeoTiffTags read_geotiff_tags(const TiffHandle& handle) {
   return tags;
 }
 
+Status read_crs(const GeoTiffTags& tags, const std::filesystem::path& path, Georeference& g) {
+  const int model = key(tags, kModelType), projected = key(tags, kProjectedType);
+  if (model == kProjected || (model == 0 && projected != 0)) {
+    const bool spelt_out = projected == 0 || projected == kUserDefined;
+    const bool known = spelt_out ? has_known_datum(tags) && set_user_defined_utm(tags, g)
+                                 : set_crs(g, projected) && g.crs != Georeference::Crs::geographic;
+    if (!known) return unknown_crs(tags, path);
+    return check_units(tags, path, true);
+  }
+  if (model != 0 && model != kGeographic) return unknown_crs(tags, path);
+  if (!has_known_datum(tags)) return unknown_crs(tags, path);
+  g.crs = Georeference::Crs::geographic;
+  return check_units(tags, path, false);
+}
+
 Result<Georeference> georeference_of(const GeoTiffTags& tags, const std::filesystem::path& path) {
   Georeference g;
   if (auto crs = read_crs(tags, path, g); !crs) return crs.error();
@@ -246,7 +235,7 @@ Result<HeightScale> height_scale_of(const GeoTiffTags& tags, const std::filesyst
   if (const auto scale = item("scale")) height.scale = parse_number(*scale).value_or(1);
   if (const auto offset = item("offset")) height.offset = parse_number(*offset).value_or(0);
   const std::string unit = item("unittype").value_or("");
-  const double metres = unit.empty() ? metres_of_vertical_keys(tags) : metres_of_name(unit);
+  const double metres = unit.empty() ? metres_of_vertical_keys(tags) : metres_of_unit(unit);
   if (metres == 0)
     return bad_data(fmt::format("{}: heights: expected metres or feet above a datum, found {}", path.string(),
                                 unit.empty()

@@ -26,6 +26,7 @@ struct GeoTiffTags {
   std::string gdal_nodata;                ///< 42113
 
   bool has_place() const { return !tiepoints.empty() || !transformation.empty(); }
+  bool has_crs() const { return !short_keys.empty(); }
 };
 
 GeoTiffTags read_geotiff_tags(const TiffHandle& handle);
@@ -33,6 +34,9 @@ GeoTiffTags read_geotiff_tags(const TiffHandle& handle);
 /// Splits a key directory into keys; entries that point outside their arrays are left out.
 void parse_geo_keys(std::span<const std::uint16_t> directory, std::span<const double> doubles,
                     std::string_view ascii, GeoTiffTags& tags);
+
+/// The CRS alone, onto `georeference`: by the keys, else geographic. bad_data where it is none of cairn's.
+Status read_crs(const GeoTiffTags& tags, const std::filesystem::path& path, Georeference& georeference);
 
 /// The posts' places. Pixel-is-area and pixel-is-point are told apart: x0, y0 are the first post's own.
 /// bad_data where the CRS is none of cairn's (naming it), the raster is turned, or numbers are missing.

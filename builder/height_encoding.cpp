@@ -136,24 +136,6 @@ void decode_heights(const HeightEncoding& e, const std::byte* samples, std::size
   }
 }
 
-std::size_t size_of(SampleType type) {
-  switch (type) {
-    case SampleType::uint8:
-    case SampleType::int8:
-      return 1;
-    case SampleType::uint16:
-    case SampleType::int16:
-      return 2;
-    case SampleType::uint32:
-    case SampleType::int32:
-    case SampleType::float32:
-      return 4;
-    case SampleType::float64:
-      return 8;
-  }
-  return 0;
-}
-
 void swap_bytes(std::byte* samples, std::size_t count, std::size_t sample_bytes) {
   if (sample_bytes == 1) return;
   for (std::size_t i = 0; i < count; ++i)

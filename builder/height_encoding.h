@@ -10,8 +10,8 @@ namespace cairn {
 /// How a file writes a height: metres = sample · scale + offset.
 struct HeightEncoding {
   SampleType type = SampleType::int16;
-  bool swapped = false;          ///< the other byte order than this machine's
-  std::optional<double> nodata;  ///< compared with the sample, before scale and offset
+  bool swapped = false;                         ///< the other byte order than this machine's
+  std::optional<double> nodata = std::nullopt;  ///< compared with the sample, before scale and offset
   double scale = 1;
   double offset = 0;
 

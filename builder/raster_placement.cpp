@@ -92,10 +92,10 @@ Status check_numbers(const RasterInfo& info) {
   if (info.columns < 2 || info.rows < 2 || info.columns > kMostPosts || info.rows > kMostPosts)
     return bad_data(fmt::format("{}: size: expected 2 to 2^31 posts each way, found {}×{}",
                                 info.path.string(), info.columns, info.rows));
-  if (!std::isfinite(g.x0) || !std::isfinite(g.y0))
-    return misplaced(info, fmt::format("expected an origin, found ({}, {})", g.x0, g.y0));
   if (!std::isfinite(g.dx) || !std::isfinite(g.dy) || g.dx <= 0 || g.dy == 0)
     return misplaced(info, fmt::format("expected a spacing above zero, found {} × {}", g.dx, g.dy));
+  if (!std::isfinite(g.x0) || !std::isfinite(g.y0))
+    return misplaced(info, fmt::format("expected an origin, found ({}, {})", g.x0, g.y0));
   return {};
 }
 

@@ -1,7 +1,6 @@
 #include "builder/raster_source.h"
 
 #include <algorithm>
-#include <array>
 
 #include "builder/input_file.h"
 
@@ -27,11 +26,6 @@ std::string known_formats() {
 
 }  // namespace
 
-const char* to_string(SampleType type) {
-  constexpr std::array names = {"uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64"};
-  return names[static_cast<std::size_t>(type)];
-}
-
 Result<std::unique_ptr<RasterSource>> open_raster(const std::filesystem::path& path,
                                                   const OpenOptions& options) {
   auto file = InputFile::open(path);
@@ -44,6 +38,7 @@ Result<std::unique_ptr<RasterSource>> open_raster(const std::filesystem::path& p
     auto source = format->open(path, options);
     if (source) return source;
     if (!first_error) first_error = source.error();
+    if (format->exclusive) break;
   }
   if (first_error) return *first_error;
   return bad_data(path.string() + ": expected a raster (" + known_formats() +

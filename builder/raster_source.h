@@ -73,11 +73,14 @@ struct RasterFormat {
   bool (*claims)(const std::filesystem::path& path, std::span<const std::byte> first_bytes);
   Result<std::unique_ptr<RasterSource>> (*open)(const std::filesystem::path& path,
                                                 const OpenOptions& options);
+  /// Whether a file that it claims is no other format's: its error is then the last word. (GDAL would take an
+  /// .hgt whose name or size lies for something else.)
+  bool exclusive = false;
 };
 std::span<const RasterFormat* const> raster_formats();
 
-/// Opens a raster of any known format: the first format that claims the file and opens it, else the first
-/// claimant's error.
+/// Opens a raster of any known format: the first format that claims the file and opens it, up to an exclusive
+/// one, else the first claimant's error.
 Result<std::unique_ptr<RasterSource>> open_raster(const std::filesystem::path& path,
                                                   const OpenOptions& options);
 

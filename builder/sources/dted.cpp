@@ -47,12 +47,13 @@ std::optional<std::int64_t> digits(std::string_view text) {
   return any ? std::optional(value) : std::nullopt;
 }
 
-/// DDDMMSSH.
-std::optional<double> angle(std::string_view text, char negative, char positive) {
+/// DDDMMSSH, up to `most` degrees either way.
+std::optional<double> angle(std::string_view text, double most, char negative, char positive) {
   const auto d = digits(text.substr(0, 3)), m = digits(text.substr(3, 2)), s = digits(text.substr(5, 2));
   const char side = text[7];
   if (!d || !m || !s || *m > 59 || *s > 59 || (side != negative && side != positive)) return std::nullopt;
   const double value = static_cast<double>(*d * 3600 + *m * 60 + *s) / 3600;
+  if (value > most) return std::nullopt;
   return side == negative ? -value : value;
 }
 
@@ -72,9 +73,9 @@ Result<Header> parse_header(const fs::path& path, std::string_view label, std::u
     return bad_data(fmt::format("{}: header: expected {}, found \"{}\"", path.string(), what, found));
   };
   if (!label.starts_with("UHL1")) return bad("UHL1", label.substr(0, 4));
-  const auto west = angle(label.substr(4, 8), 'W', 'E');
+  const auto west = angle(label.substr(4, 8), 180, 'W', 'E');
   if (!west) return bad("a longitude DDDMMSSH", label.substr(4, 8));
-  const auto south = angle(label.substr(12, 8), 'S', 'N');
+  const auto south = angle(label.substr(12, 8), 90, 'S', 'N');
   if (!south) return bad("a latitude DDDMMSSH", label.substr(12, 8));
   const auto dx = digits(label.substr(20, 4)), dy = digits(label.substr(24, 4));
   if (!dx || !dy || *dx == 0 || *dy == 0) return bad("intervals in tenths of a second", label.substr(20, 8));
@@ -218,6 +219,6 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
 }  // namespace
 
 extern const RasterFormat dted_format;
-const RasterFormat dted_format = {"dted", 20, claims, open};
+const RasterFormat dted_format = {"dted", 20, claims, open, true};
 
 }  // namespace cairn

@@ -228,6 +228,6 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
 }  // namespace
 
 extern const RasterFormat hgt_format;
-const RasterFormat hgt_format = {"hgt", 10, claims, open};
+const RasterFormat hgt_format = {"hgt", 10, claims, open, true};
 
 }  // namespace cairn
