@@ -51,6 +51,14 @@ std::vector<std::vector<std::size_t>> connected(const std::vector<IndexWindow>& 
   return groups;
 }
 
+IndexWindow grown(const IndexWindow& w, std::int64_t by) {
+  return {{w.x.first - by, w.x.last + by}, {w.y.first - by, w.y.last + by}};
+}
+
+IndexRange clamped(const IndexRange& range, const IndexRange& to) {
+  return {std::clamp(range.first, to.first, to.last), std::clamp(range.last, to.first, to.last)};
+}
+
 std::int64_t beyond(std::int64_t at, const IndexRange& range) {
   return std::max({range.first - at, at - range.last, std::int64_t{0}});
 }
@@ -105,57 +113,77 @@ Status LatticeFill::fill_voids_of(Cluster& cluster, const IndexWindow& window, P
   return {};
 }
 
-// Posts that no member has take the height of the nearest post that one has, if that is in the block; those
-// too far away for that count for nothing, and get 0.
-void LatticeFill::extend(PostBlock& block) const {
-  const IndexWindow window = window_of(block);
-  const auto inside = [&](std::int64_t i, std::int64_t j) {
-    return beyond(i, window.x) == 0 && beyond(j, window.y) == 0;
-  };
-  std::vector<IndexWindow> members;
+// The members that come within reach of the window, each with the posts of its that are nearest to the
+// window's.
+Result<std::vector<LatticeFill::Edge>> LatticeFill::edges_near(const IndexWindow& window) const {
+  std::vector<Edge> edges;
   for (const auto& cluster : clusters_) {
-    for (const IndexWindow& member : cluster->members) {
+    for (const IndexWindow& extent : cluster->members) {
       for (const std::int64_t turn : {-around_, std::int64_t{0}, around_}) {
-        if (touch(moved(member, turn), window)) members.push_back(moved(member, turn));
+        const IndexWindow member = moved(extent, turn);
+        if (!touch(member, grown(window, reach_))) continue;
+        const IndexWindow nearest{clamped(window.x, member.x), clamped(window.y, member.y)};
+        auto posts = read_posts_(nearest.x, nearest.y);
+        if (!posts) return posts.error();
+        if (auto status = fill_voids_in(*posts); !status) return status.error();
+        edges.push_back({member, std::move(*posts)});
       }
     }
   }
-  for (std::int64_t j = window.y.first; j <= window.y.last; ++j) {
-    for (std::int64_t i = window.x.first; i <= window.x.last; ++i) {
-      const std::size_t post = block.index(static_cast<int>(i - block.i0), static_cast<int>(j - block.j0));
-      if (!std::isnan(block.heights[post])) continue;
-      block.heights[post] = 0;
+  return edges;
+}
+
+// Posts that no member has take the height of the nearest post that one has; those out of reach count for
+// nothing, and get 0.
+Status LatticeFill::extend(PostBlock& block) const {
+  const auto edges = edges_near(window_of(block));
+  if (!edges) return edges.error();
+  for (int r = 0; r < block.rows; ++r) {
+    for (int c = 0; c < block.columns; ++c) {
+      float& height = block.heights[block.index(c, r)];
+      if (!std::isnan(height)) continue;
+      height = 0;
       std::int64_t nearest = INT64_MAX;
-      for (const IndexWindow& m : members) {
-        const std::int64_t distance = std::max(beyond(i, m.x), beyond(j, m.y));
-        const std::int64_t ci = std::clamp(i, m.x.first, m.x.last);
-        const std::int64_t cj = std::clamp(j, m.y.first, m.y.last);
-        if (distance >= nearest || !inside(ci, cj)) continue;
+      for (const Edge& edge : *edges) {
+        const std::int64_t i = block.i0 + c;
+        const std::int64_t j = block.j0 + r;
+        const std::int64_t distance = std::max(beyond(i, edge.member.x), beyond(j, edge.member.y));
+        if (distance >= nearest) continue;
+        const auto column =
+            static_cast<int>(std::clamp(i, edge.member.x.first, edge.member.x.last) - edge.posts.i0);
+        const auto row =
+            static_cast<int>(std::clamp(j, edge.member.y.first, edge.member.y.last) - edge.posts.j0);
+        const float there = edge.posts.heights[edge.posts.index(column, row)];
+        if (std::isnan(there)) continue;
         nearest = distance;
-        const float height =
-            block.heights[block.index(static_cast<int>(ci - block.i0), static_cast<int>(cj - block.j0))];
-        block.heights[post] = std::isnan(height) ? 0 : height;
+        height = there;
       }
     }
   }
+  return {};
+}
+
+Status LatticeFill::fill_voids_in(PostBlock& block) const {
+  if (std::find(block.owners.begin(), block.owners.end(), PostBlock::kVoid) == block.owners.end()) return {};
+  const IndexWindow window = window_of(block);
+  for (const auto& cluster : clusters_) {
+    for (const std::int64_t turn : {-around_, std::int64_t{0}, around_}) {
+      const IndexWindow extent = moved(cluster->extent, turn);
+      const IndexWindow part{
+          {std::max(window.x.first, extent.x.first), std::min(window.x.last, extent.x.last)},
+          {std::max(window.y.first, extent.y.first), std::min(window.y.last, extent.y.last)}};
+      if (part.x.count() <= 0 || part.y.count() <= 0) continue;
+      if (auto status = fill_voids_of(*cluster, part, block); !status) return status;
+    }
+  }
+  return {};
 }
 
 Status LatticeFill::complete(PostBlock& block) const {
-  const IndexWindow window = window_of(block);
-  if (std::find(block.owners.begin(), block.owners.end(), PostBlock::kVoid) != block.owners.end()) {
-    for (const auto& cluster : clusters_) {
-      for (const std::int64_t turn : {-around_, std::int64_t{0}, around_}) {
-        const IndexWindow extent = moved(cluster->extent, turn);
-        const IndexWindow part{
-            {std::max(window.x.first, extent.x.first), std::min(window.x.last, extent.x.last)},
-            {std::max(window.y.first, extent.y.first), std::min(window.y.last, extent.y.last)}};
-        if (part.x.count() <= 0 || part.y.count() <= 0) continue;
-        if (auto status = fill_voids_of(*cluster, part, block); !status) return status;
-      }
-    }
-  }
-  extend(block);
-  return {};
+  if (auto status = fill_voids_in(block); !status) return status;
+  if (std::find(block.owners.begin(), block.owners.end(), PostBlock::kOutside) == block.owners.end())
+    return {};
+  return extend(block);
 }
 
 }  // namespace cairn

@@ -69,6 +69,11 @@ LatticeGroup::LatticeGroup(SourcePool& pool, const Geoid* geoid, const Lattice& 
   }
 }
 
+void LatticeGroup::set_reach(double degrees) {
+  const double densest = std::max(lattice_.lon.posts_per_degree, lattice_.lat.posts_per_degree);
+  fill_.set_reach(static_cast<std::int64_t>(std::ceil(degrees * densest)));
+}
+
 // Copies the member's posts, shifted by `turn` posts around the Earth, to where the block has no value yet.
 Status LatticeGroup::read_member(std::size_t member, std::int64_t turn, PostBlock& block) const {
   const LatticePlacement& place = members_[member].placement;

@@ -29,6 +29,7 @@ class LatticeGroup final : public SourceGroup {
   LatticeGroup(SourcePool& pool, const Geoid* geoid, const Lattice& lattice, std::vector<Member> members,
                int native_level, double samples_per_degree, ResampleMethod method);
 
+  void set_reach(double degrees) override;
   Result<GroupSamples> sample(const SampleWindow& window) const override;
 
   /// The mosaic's posts before voids are filled, wrapped around the Earth.

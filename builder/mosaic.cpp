@@ -19,18 +19,13 @@ GeoBounds bounds_of(const SampleWindow& w) {
   return {w.lon_of(0), w.lat_of(0), w.lon_of(w.columns - 1), w.lat_of(w.rows - 1)};
 }
 
-// Whether a post at (x, y) samples lies in the closed window.
-bool inside(double x, double y, const SampleWindow& window) {
-  return x >= 0 && y >= 0 && x <= window.columns - 1 && y <= window.rows - 1;
-}
-
 template <class Loses>
 void drop_posts(MeasuredPosts& posts, const SampleWindow& window, const Loses& loses) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const auto lost = [&](double x, double y) {
     const LonLat place{(static_cast<double>(window.column) + x) / window.samples_per_degree - 180.0,
                        (static_cast<double>(window.row) + y) / window.samples_per_degree - 90.0};
-    return !inside(x, y, window) || loses(place);
+    return loses(place);
   };
   for (std::size_t r = 0; r < posts.ys.size(); ++r) {
     for (std::size_t c = 0; c < posts.xs.size(); ++c) {
@@ -77,6 +72,7 @@ void Mosaic::set_reaches() {
       });
       if (beneath) reach.fade = std::max(reach.fade, spacing);
     }
+    groups_[g]->set_reach(reach.solid + reach.fade);
     reaches_.push_back(reach);
   }
 }
@@ -191,8 +187,7 @@ Result<MosaicTile> Mosaic::sample_window(const SampleWindow& window, int level) 
     if (touching.size() == 1) {
       tile.heights = std::move(samples->heights);
       tile.states = std::move(samples->states);
-      if (levels == 0) return tile;
-      break;
+      return tile;
     }
     if (tile.heights.empty()) {
       tile.heights.assign(window.count(), std::numeric_limits<float>::quiet_NaN());

@@ -56,6 +56,9 @@ class SourceGroup {
   /// The members' numbers in the SourcePool, by the order in which they win.
   const std::vector<std::size_t>& sources() const { return sources_; }
 
+  /// How far beyond its footprint the group is asked for, in degrees. Before any sample() only.
+  virtual void set_reach(double degrees) = 0;
+
   /// REQUIRES: the window has the native level's density.
   virtual Result<GroupSamples> sample(const SampleWindow& window) const = 0;
 

@@ -30,18 +30,39 @@ float between(float a, float b, float fraction) {
   return fraction == 0 ? a : a * (1 - fraction) + b * fraction;
 }
 
-MeasuredPosts moved(const MeasuredPosts& posts, const SampleWindow& from, const SampleWindow& to,
-                    int levels) {
-  MeasuredPosts out = posts;
-  const double scale = std::ldexp(1.0, levels);
-  const auto place = [&](double at, std::int64_t from_first, std::int64_t to_first) {
-    return (at + static_cast<double>(from_first)) * scale - static_cast<double>(to_first);
-  };
-  for (double& x : out.xs) x = place(x, from.column, to.column);
-  for (double& y : out.ys) y = place(y, from.row, to.row);
-  for (auto& p : out.placed) {
-    p.x = place(p.x, from.column, to.column);
-    p.y = place(p.y, from.row, to.row);
+// Which of the places, moved to the fine window's samples, lie in it.
+std::vector<std::size_t> move_into(std::vector<double>& places, std::int64_t from_first,
+                                   std::int64_t to_first, int count, int levels) {
+  std::vector<std::size_t> kept;
+  std::vector<double> moved;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double at =
+        std::ldexp(places[i] + static_cast<double>(from_first), levels) - static_cast<double>(to_first);
+    if (at < 0 || at > count - 1) continue;
+    kept.push_back(i);
+    moved.push_back(at);
+  }
+  places = std::move(moved);
+  return kept;
+}
+
+MeasuredPosts posts_in(const MeasuredPosts& posts, const SampleWindow& from, const SampleWindow& to,
+                       int levels) {
+  MeasuredPosts out;
+  out.xs = posts.xs;
+  out.ys = posts.ys;
+  const auto columns = move_into(out.xs, from.column, to.column, to.columns, levels);
+  const auto rows = move_into(out.ys, from.row, to.row, to.rows, levels);
+  for (const std::size_t r : rows) {
+    for (const std::size_t c : columns) {
+      out.heights.push_back(posts.heights[r * posts.xs.size() + c]);
+      out.owners.push_back(posts.owners[r * posts.xs.size() + c]);
+    }
+  }
+  for (MeasuredPosts::Placed p : posts.placed) {
+    p.x = std::ldexp(p.x + static_cast<double>(from.column), levels) - static_cast<double>(to.column);
+    p.y = std::ldexp(p.y + static_cast<double>(from.row), levels) - static_cast<double>(to.row);
+    if (p.x >= 0 && p.y >= 0 && p.x <= to.columns - 1 && p.y <= to.rows - 1) out.placed.push_back(p);
   }
   return out;
 }
@@ -82,7 +103,7 @@ GroupSamples upsample(const GroupSamples& coarse, const SampleWindow& window, in
       }
     }
   }
-  fine.posts = moved(coarse.posts, from, window, levels);
+  fine.posts = posts_in(coarse.posts, from, window, levels);
   return fine;
 }
 
