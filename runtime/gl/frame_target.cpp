@@ -5,6 +5,25 @@
 #include <string>
 
 namespace cairn::gl {
+namespace {
+
+void read_pixels(GLuint framebuffer, int width, int height, GLenum format, GLenum type, void* out) {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, format, type, out);
+}
+
+/// OpenGL's rows go up.
+template <class T>
+void turn_over(std::vector<T>& values, int rows) {
+  const auto row_size = static_cast<std::ptrdiff_t>(values.size()) / rows;
+  for (int low = 0, high = rows - 1; low < high; ++low, --high) {
+    const auto at = [&](int row) { return values.begin() + row_size * row; };
+    std::swap_ranges(at(low), at(low + 1), at(high));
+  }
+}
+
+}  // namespace
 
 Result<FrameTarget> FrameTarget::create(int width, int height) {
   assert(width >= 1 && height >= 1);
@@ -28,19 +47,17 @@ Result<FrameTarget> FrameTarget::create(int width, int height) {
 
 Picture FrameTarget::read() const {
   Picture picture{width_, height_, {}};
-  const std::size_t row_bytes = static_cast<std::size_t>(width_) * 3;
-  picture.rgb.resize(row_bytes * static_cast<std::size_t>(height_));
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data());
-  // OpenGL's rows go up.
-  for (int low = 0, high = height_ - 1; low < high; ++low, --high) {
-    const auto at = [&](int row) {
-      return picture.rgb.begin() + static_cast<std::ptrdiff_t>(row_bytes) * row;
-    };
-    std::swap_ranges(at(low), at(low + 1), at(high));
-  }
+  picture.rgb.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) * 3);
+  read_pixels(framebuffer_.name(), width_, height_, GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data());
+  turn_over(picture.rgb, height_);
   return picture;
+}
+
+std::vector<float> FrameTarget::read_depth() const {
+  std::vector<float> depth(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  read_pixels(framebuffer_.name(), width_, height_, GL_DEPTH_COMPONENT, GL_FLOAT, depth.data());
+  turn_over(depth, height_);
+  return depth;
 }
 
 }  // namespace cairn::gl

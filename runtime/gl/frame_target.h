@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "format/status.h"
 #include "runtime/gl/gl_handle.h"
 #include "runtime/gl/picture.h"
@@ -18,6 +20,9 @@ class FrameTarget {
 
   /// Waits for what has been drawn.
   Picture read() const;
+
+  /// A value a pixel, rows from top to bottom: kNear_m / distance along the view, 0 where nothing is.
+  std::vector<float> read_depth() const;
 
  private:
   FrameTarget() = default;

@@ -49,9 +49,6 @@ static_assert(sizeof(PerimeterVertex) == 8);
 enum Location : GLint { kEye = 0, kClip = 1, kCells = 2, kEyeFloat = 3, kSun = 4, kEyeHeight = 5, kLook = 6 };
 enum LookBits : GLuint { kLevelColours = 1, kFog = 2 };
 
-/// Anything nearer is not drawn. With a reversed float depth it may be as near as one likes.
-constexpr double kNear_m = 0.05;
-
 /// From metres relative to the eye, along the Earth's axes, to clip space; depth is near / distance: 1 at the
 /// near plane, 0 infinitely far.
 glm::dmat4 clip_from_eye(const CameraFrame& camera, const ViewState& view) {

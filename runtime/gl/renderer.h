@@ -14,6 +14,9 @@
 
 namespace cairn::gl {
 
+/// Anything nearer is not drawn. With a reversed float depth it may be as near as one likes.
+inline constexpr double kNear_m = 0.05;
+
 /// How a frame looks.
 struct FrameLook {
   glm::dvec3 to_sun{0, 0, 1};            ///< geocentric, unit length

@@ -1,40 +1,148 @@
 #include "runtime/viewer/headless.h"
 
+#include <ctime>
+#include <fstream>
+#include <iomanip>
 #include <ostream>
+#include <sstream>
 
+#include "runtime/frame_stats.h"
 #include "runtime/gl/headless_context.h"
+#include "runtime/viewer/flight.h"
 #include "runtime/viewer/png_file.h"
 #include "runtime/viewer/scene.h"
+#include "runtime/viewer/video_pipe.h"
 
 namespace cairn::viewer {
+namespace {
+
+void report(Scene& scene, std::ostream& messages) {
+  for (const Error& error : scene.take_errors()) messages << error.message << '\n';
+}
+
+Status take_screenshot(const Options& options, Scene& scene, gl::FrameLook look, const ViewState& view,
+                       const gl::FrameTarget& target, std::ostream& messages) {
+  look.to_sun = sun_direction(view.eye, options.hour);
+  scene.load_all(view);
+  scene.draw(view, 0, look, target.framebuffer());
+  report(scene, messages);
+  return write_png(options.screenshot, target.read());
+}
+
+std::filesystem::path frame_path(const Options& options, std::size_t frame) {
+  std::ostringstream name;
+  name << "frame-" << std::setw(6) << std::setfill('0') << frame << ".png";
+  return options.frames / name.str();
+}
+
+/// CPU time of this thread, in milliseconds: what the frame's work took, whatever else the machine does.
+double thread_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+}
+
+class FlightRun {
+ public:
+  FlightRun(const Options& options, const Flight& flight, Scene& scene, const gl::FrameTarget& target)
+      : options_(options), flight_(flight), scene_(scene), target_(target) {}
+
+  Status run(gl::FrameLook look, ViewState view, std::ostream& messages) {
+    const Status opened = open_outputs();
+    if (!opened) return opened;
+    scene_.load_all(at(view, 0));
+    for (std::size_t i = 0; i < flight_.frame_count(); ++i) {
+      view = at(view, i);
+      look.to_sun = sun_direction(view.eye, options_.hour);
+      const Status done = frame(i, view, look);
+      if (!done) return done;
+      report(scene_, messages);
+    }
+    if (!options_.stats.empty() && !stats_.flush())
+      return failed(options_.stats.string() + ": stats: expected to write them, found that it cannot be");
+    return video_ ? video_->finish() : Status{};
+  }
+
+ private:
+  ViewState at(ViewState view, std::size_t frame) const {
+    const ViewState there = flight_.at(static_cast<double>(frame) / flight_.frames_per_second);
+    view.eye = there.eye;
+    view.height_m = there.height_m;
+    view.heading_deg = there.heading_deg;
+    view.pitch_deg = there.pitch_deg;
+    return view;
+  }
+
+  Status open_outputs() {
+    if (!options_.stats.empty()) {
+      stats_.open(options_.stats, std::ios::trunc);
+      stats_ << "frame,update_ms,draw_ms,patches,triangles,uploads,gpu_bytes,resident_bytes,complete\n";
+    }
+    if (options_.video.empty()) return {};
+    Result<VideoPipe> pipe =
+        VideoPipe::open(options_.video, target_.width(), target_.height(), flight_.frames_per_second);
+    if (!pipe) return pipe.error();
+    video_ = std::move(*pipe);
+    return {};
+  }
+
+  Status frame(std::size_t index, const ViewState& view, const gl::FrameLook& look) {
+    const bool keeps = !options_.frames.empty() || video_;
+    // A picture waits for what it shows; a measured frame, like a window's, does not.
+    if (keeps) scene_.load_all(view);
+    const double begin = thread_ms();
+    scene_.update(view, 1 / flight_.frames_per_second);
+    const double updated = thread_ms();
+    const gl::FrameCounts counts = scene_.draw_list(view, look, target_.framebuffer());
+    const double drawn = thread_ms();
+    if (stats_.is_open()) {
+      stats_ << index << ',' << updated - begin << ',' << drawn - updated << ',' << counts.patches << ','
+             << counts.triangles << ',' << counts.uploads << ',' << counts.gpu_bytes << ','
+             << scene_.terrain().stats().resident_bytes << ',' << scene_.list()->is_complete << '\n';
+    }
+    if (!keeps) return {};
+    const gl::Picture picture = target_.read();
+    if (video_) {
+      const Status written = video_->add(picture);
+      if (!written) return written;
+    }
+    return options_.frames.empty() ? Status{} : write_png(frame_path(options_, index), picture);
+  }
+
+  const Options& options_;
+  const Flight& flight_;
+  Scene& scene_;
+  const gl::FrameTarget& target_;
+  std::ofstream stats_;
+  std::optional<VideoPipe> video_;
+};
+
+}  // namespace
 
 Status run_headless(const Options& options, std::ostream& messages) {
   const Result<Size> size = parse_size(options.size);
   if (!size) return size.error();
-  Result<gl::FrameLook> look = look_of(options);
+  const Result<gl::FrameLook> look = look_of(options);
   if (!look) return look.error();
+  std::optional<Flight> flight;
+  if (!options.flight.empty()) {
+    Result<Flight> read = read_flight(options.flight);
+    if (!read) return read.error();
+    flight = std::move(*read);
+  }
   Result<gl::HeadlessContext> context = gl::HeadlessContext::create();
   if (!context) return context.error();
   Result<Scene> scene = Scene::open(options);
   if (!scene) return scene.error();
-
-  ViewState view = start_view(scene->pack(), options.fov_deg, *size);
-  if (!options.camera.empty()) {
-    const Result<ViewState> asked = parse_camera(options.camera);
-    if (!asked) return asked.error();
-    view = *asked;
-  }
-  view.fov_y_deg = options.fov_deg;
-  view.viewport_width_px = size->width;
-  view.viewport_height_px = size->height;
-  look->to_sun = sun_direction(view.eye, options.hour);
-
+  const Result<ViewState> view = view_of(options, scene->pack(), *size);
+  if (!view) return view.error();
   const Result<gl::FrameTarget> target = gl::FrameTarget::create(size->width, size->height);
   if (!target) return target.error();
-  scene->load_all(view);
-  scene->draw(view, 0, *look, target->framebuffer());
-  for (const Error& error : scene->take_errors()) messages << error.message << '\n';
-  return write_png(options.screenshot, target->read());
+  if (!options.screenshot.empty()) {
+    const Status taken = take_screenshot(options, *scene, *look, *view, *target, messages);
+    if (!taken || !flight) return taken;
+  }
+  return FlightRun(options, *flight, *scene, *target).run(*look, *view, messages);
 }
 
 }  // namespace cairn::viewer

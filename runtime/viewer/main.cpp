@@ -1,10 +1,13 @@
 #include <cstdlib>
 #include <iostream>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "runtime/viewer/headless.h"
 #include "runtime/viewer/options.h"
+#include "runtime/viewer/panel.h"
+#include "runtime/viewer/window.h"
 
 namespace {
 
@@ -19,6 +22,12 @@ void declare(CLI::App& app, cairn::viewer::Options& o) {
       ->capture_default_str();
   app.add_option("--size", o.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   app.add_option("--screenshot", o.screenshot, "write one picture, without a window, when all is loaded");
+  auto* flight = app.add_option("--flight", o.flight, "fly a recorded path, without a window");
+  app.add_option("--frames", o.frames, "write each frame of the flight into this folder, as PNG")
+      ->needs(flight)
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--video", o.video, "write the flight as a film (needs ffmpeg)")->needs(flight);
+  app.add_option("--stats", o.stats, "write what each frame of the flight took, as CSV")->needs(flight);
   app.add_option("--hole-colour", o.hole_colour, "draw this colour where no terrain is, instead of the sky");
   app.add_option("--hour", o.hour, "local solar time, 0 to 24")
       ->check(CLI::Range(0.0, 24.0))
@@ -30,6 +39,7 @@ void declare(CLI::App& app, cairn::viewer::Options& o) {
   app.add_flag("--no-fog", o.no_fog, "clear air");
   app.add_flag("--wireframe", o.wireframe, "the mesh's edges");
   app.add_flag("--levels", o.levels, "a colour for each level");
+  app.footer(std::string("Keys of the window:\n") + cairn::viewer::kKeysHelp);
 }
 
 }  // namespace
@@ -44,7 +54,8 @@ int main(int argc, char** argv) {
     const int code = app.exit(error);
     return code == 0 ? 0 : 2;
   }
-  const cairn::Status done = cairn::viewer::run_headless(options, std::cerr);
+  const cairn::Status done = options.is_headless() ? cairn::viewer::run_headless(options, std::cerr)
+                                                   : cairn::viewer::run_window(options, std::cerr);
   if (done) return 0;
   std::cerr << "cairn view: " << done.error().message << '\n';
   return static_cast<int>(done.error().code);

@@ -30,18 +30,23 @@ Result<Scene> Scene::open(const Options& options) {
   return Scene(std::move(pack), std::move(uploads), std::move(*terrain), std::move(*renderer));
 }
 
-gl::FrameCounts Scene::draw(const ViewState& view, double dt_s, const gl::FrameLook& look,
-                            unsigned framebuffer) {
+void Scene::update(const ViewState& view, double dt_s) {
   list_ = &terrain_.update(view, dt_s);
   errors_.insert(errors_.end(), list_->errors.begin(), list_->errors.end());
+}
+
+gl::FrameCounts Scene::draw_list(const ViewState& view, const gl::FrameLook& look, unsigned framebuffer) {
   return renderer_.draw(*list_, view, look, framebuffer);
 }
 
+gl::FrameCounts Scene::draw(const ViewState& view, double dt_s, const gl::FrameLook& look,
+                            unsigned framebuffer) {
+  update(view, dt_s);
+  return draw_list(view, look, framebuffer);
+}
+
 void Scene::load_all(const ViewState& view) {
-  for (;;) {
-    list_ = &terrain_.update(view, 0);
-    errors_.insert(errors_.end(), list_->errors.begin(), list_->errors.end());
-    if (list_->is_complete) return;
+  for (update(view, 0); !list_->is_complete; update(view, 0)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }

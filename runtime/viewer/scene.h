@@ -18,6 +18,10 @@ class Scene {
  public:
   static Result<Scene> open(const Options& options);
 
+  /// The two halves of a frame: what is to be drawn, and drawing it.
+  void update(const ViewState& view, double dt_s);
+  gl::FrameCounts draw_list(const ViewState& view, const gl::FrameLook& look, unsigned framebuffer);
+
   /// One frame into the framebuffer.
   gl::FrameCounts draw(const ViewState& view, double dt_s, const gl::FrameLook& look, unsigned framebuffer);
 
@@ -49,6 +53,9 @@ glm::dvec3 sun_direction(LonLat place, double hour);
 
 /// The view that the pack's bounds fill.
 ViewState start_view(const PackReader& pack, double fov_deg, Size size);
+
+/// The view that --camera asks for, else start_view().
+Result<ViewState> view_of(const Options& options, const PackReader& pack, Size size);
 
 /// The frame's look that the options ask for, apart from the sun.
 Result<gl::FrameLook> look_of(const Options& options);

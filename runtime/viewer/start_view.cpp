@@ -58,4 +58,17 @@ ViewState start_view(const PackReader& pack, double fov_deg, Size size) {
   return view;
 }
 
+Result<ViewState> view_of(const Options& options, const PackReader& pack, Size size) {
+  ViewState view = start_view(pack, options.fov_deg, size);
+  if (!options.camera.empty()) {
+    const Result<ViewState> asked = parse_camera(options.camera);
+    if (!asked) return asked.error();
+    view = *asked;
+  }
+  view.fov_y_deg = options.fov_deg;
+  view.viewport_width_px = size.width;
+  view.viewport_height_px = size.height;
+  return view;
+}
+
 }  // namespace cairn::viewer

@@ -48,7 +48,7 @@ vec3 tint(float h) {
   const float at[kSteps] = float[](-8000.0, -200.0, -0.01, 0.01, 300.0, 900.0, 1800.0, 3000.0, 4500.0);
   const vec3 of[kSteps] = vec3[](vec3(0.010, 0.025, 0.090), vec3(0.035, 0.110, 0.240), vec3(0.075, 0.190, 0.330),
                                  vec3(0.105, 0.205, 0.075), vec3(0.200, 0.290, 0.105), vec3(0.400, 0.370, 0.180),
-                                 vec3(0.340, 0.230, 0.120), vec3(0.420, 0.360, 0.310), vec3(0.880, 0.900, 0.930));
+                                 vec3(0.340, 0.230, 0.120), vec3(0.420, 0.360, 0.310), vec3(0.720, 0.735, 0.760));
   vec3 c = of[0];
   for (int i = 1; i < kSteps; ++i) c = mix(c, of[i], smoothstep(at[i - 1], at[i], h));
   return c;
@@ -88,9 +88,13 @@ vec3 surface_colour(Patch p) {
   return mix(plain, texel.rgb, texel.a);
 }
 
+// Gradients come from the interpolated place: beside a triangle's edge a pixel's neighbours may belong to no
+// patch, and what they read of one is undefined.
 vec3 normal_east_north_up(Patch p) {
   if (p.height_layer < 0) return vec3(0, 0, 1);
-  vec2 n = texture(normal_map, vec3(place_in_heights(p), float(p.height_layer))).rg;
+  float scale = exp2(float(p.cells_log2)) * p.height_step / exp2(float(tile_cells_log2));
+  vec3 at = vec3(place_in_heights(p), float(p.height_layer));
+  vec2 n = textureGrad(normal_map, at, dFdx(patch_place) * scale, dFdy(patch_place) * scale).rg;
   return vec3(n, sqrt(max(0.0, 1.0 - dot(n, n))));
 }
 
@@ -114,7 +118,7 @@ void main() {
   float day = smoothstep(-0.12, 0.15, dot(up, to_sun));
   float sun = max(dot(normal, to_sun), 0.0) * day;
   float sky = 0.5 + 0.5 * dot(normal, up);
-  vec3 light = sun * vec3(1.25, 1.18, 1.05) + sky * (0.04 + 0.22 * day) * vec3(0.75, 0.9, 1.15);
+  vec3 light = sun * vec3(1.12, 1.06, 0.95) + sky * (0.04 + 0.22 * day) * vec3(0.75, 0.9, 1.15);
   vec3 lit = surface_colour(p) * light;
   if ((look & 2u) != 0u) lit = mix(lit, vec3(0.44, 0.58, 0.78) * (0.03 + 0.97 * day), haze(length(from_eye)));
   colour = vec4(lit, 1.0);

@@ -1,0 +1,118 @@
+#include "runtime/viewer/panel.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <imgui.h>
+
+namespace cairn::viewer {
+
+const char* const kKeysHelp =
+    "W A S D    fly ahead, left, back, right (left stick)\n"
+    "E Q        climb, sink (triggers)\n"
+    "drag       look around, or turn around the place in the middle (right stick)\n"
+    "wheel      nearer, farther\n"
+    "Shift      four times as fast\n"
+    "Tab        free flight or orbit\n"
+    "Home       the whole pack\n"
+    "T Shift+T  an hour later, earlier\n"
+    "R          begin or end recording a flight\n"
+    "F1 F2 F3   this help, the panel, the scene map\n"
+    "F4 F5 F6   wireframe, level colours, fog\n"
+    "F12        screenshot\n"
+    "Esc        quit";
+
+namespace {
+
+constexpr float kMapSide = 220;
+
+ImU32 colour_of_level(int level) {
+  const float hue = std::fmod(static_cast<float>(level + 9) * 0.381966f, 1.0f);
+  return ImColor::HSV(hue, 0.55f, 0.85f, 0.8f);
+}
+
+void draw_counters(const PanelState& state) {
+  const PagingStats& p = state.paging;
+  ImGui::Text("%zu grids, %zu triangles", state.counts.patches, state.counts.triangles);
+  ImGui::Text("%.0f MiB of tiles, %.0f MiB of textures", static_cast<double>(p.resident_bytes) / 1048576,
+              static_cast<double>(state.counts.gpu_bytes) / 1048576);
+  ImGui::Text("%.1f MiB on the way, %llu tiles loaded", static_cast<double>(p.in_flight_bytes) / 1048576,
+              static_cast<unsigned long long>(p.tiles_loaded));
+  ImGui::Text("latency p95 %.0f ms, %llu holes, %llu damaged", p.latency_ms.p95,
+              static_cast<unsigned long long>(p.holes), static_cast<unsigned long long>(p.tiles_damaged));
+  ImGui::PlotLines("##frames", state.frame_ms.data(), static_cast<int>(state.frame_ms.size()),
+                   state.frame_index, "frame ms", 0, 33.3f, ImVec2(kMapSide, 50));
+}
+
+/// The tiles around the eye, as figures 8.5.x of seed [4] draw them: eight eye tiles to each side.
+void draw_map(const RenderList& list, const ViewState& view) {
+  int finest = kMinLevel;
+  for (const RenderTile& tile : list.tiles) finest = std::max(finest, tile.area.level);
+  const double half = 8 * tile_width_degrees(finest);
+  const ImVec2 origin = ImGui::GetCursorScreenPos();
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  draw->PushClipRect(origin, ImVec2(origin.x + kMapSide, origin.y + kMapSide), true);
+  const auto at = [&](double lon, double lat) {
+    return ImVec2(origin.x + static_cast<float>((lon - view.eye.lon + half) / (2 * half)) * kMapSide,
+                  origin.y + static_cast<float>((view.eye.lat + half - lat) / (2 * half)) * kMapSide);
+  };
+  for (const RenderTile& tile : list.tiles) {
+    const GeoBounds b = tile_bounds(tile.area);
+    const ImVec2 north_west = at(b.west, b.north), south_east = at(b.east, b.south);
+    draw->AddRectFilled(north_west, south_east, colour_of_level(tile.area.level));
+    draw->AddRect(north_west, south_east, tile.visible ? IM_COL32_WHITE : IM_COL32(0, 0, 0, 160));
+  }
+  const double heading = view.heading_deg * 3.14159265358979 / 180;
+  const ImVec2 eye = at(view.eye.lon, view.eye.lat);
+  draw->AddCircleFilled(eye, 4, IM_COL32(255, 255, 255, 255));
+  draw->AddLine(eye,
+                ImVec2(eye.x + 16 * static_cast<float>(std::sin(heading)),
+                       eye.y - 16 * static_cast<float>(std::cos(heading))),
+                IM_COL32_WHITE, 2);
+  draw->PopClipRect();
+  ImGui::Dummy(ImVec2(kMapSide, kMapSide));
+}
+
+bool draw_settings(PanelState& state, gl::FrameLook& look) {
+  ImGui::Checkbox("wireframe", &look.wireframe);
+  ImGui::SameLine();
+  ImGui::Checkbox("levels", &look.level_colours);
+  ImGui::SameLine();
+  ImGui::Checkbox("fog", &look.fog);
+  float hour = static_cast<float>(state.hour), tolerance = static_cast<float>(look.tolerance_px);
+  if (ImGui::SliderFloat("hour", &hour, 0, 24, "%.1f")) state.hour = static_cast<double>(hour);
+  if (ImGui::SliderFloat("pixels of error", &tolerance, 0.1f, 20, "%.1f")) {
+    look.tolerance_px = std::max(0.01, static_cast<double>(tolerance));
+  }
+  ImGui::InputScalarN("##place", ImGuiDataType_Double, state.go_to.data(), 3, nullptr, nullptr, "%.5f");
+  ImGui::SameLine();
+  return ImGui::Button("go");
+}
+
+}  // namespace
+
+std::optional<std::array<double, 3>> draw_panel(PanelState& state, gl::FrameLook& look, const ViewState& view,
+                                                const RenderList* list) {
+  bool goes = false;
+  if (state.shows_panel) {
+    ImGui::SetNextWindowPos(ImVec2(8, 8), ImGuiCond_FirstUseEver);
+    ImGui::Begin("cairn", &state.shows_panel, ImGuiWindowFlags_AlwaysAutoResize);
+    ImGui::Text("%.6f, %.6f, %.1f m", view.eye.lon, view.eye.lat, view.height_m);
+    ImGui::Text("heading %.1f, pitch %.1f", std::fmod(view.heading_deg + 360, 360), view.pitch_deg);
+    draw_counters(state);
+    goes = draw_settings(state, look);
+    if (state.shows_map && list) draw_map(*list, view);
+    if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());
+    ImGui::TextDisabled("F1: keys");
+    ImGui::End();
+  }
+  if (state.shows_help) {
+    ImGui::SetNextWindowPos(ImVec2(300, 40), ImGuiCond_FirstUseEver);
+    ImGui::Begin("keys", &state.shows_help, ImGuiWindowFlags_AlwaysAutoResize);
+    ImGui::TextUnformatted(kKeysHelp);
+    ImGui::End();
+  }
+  return goes ? std::optional(state.go_to) : std::nullopt;
+}
+
+}  // namespace cairn::viewer

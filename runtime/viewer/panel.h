@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "runtime/frame_stats.h"
+#include "runtime/gl/renderer.h"
+#include "runtime/render_list.h"
+
+namespace cairn::viewer {
+
+/// What the panel shows and lets the user change. Plain data; draw_panel is the only one that knows ImGui.
+struct PanelState {
+  bool shows_panel = true;
+  bool shows_help = false;
+  bool shows_map = true;
+  double hour = 10;
+  std::string message;  ///< the latest error or what was just saved
+
+  gl::FrameCounts counts;
+  PagingStats paging;
+  std::array<float, 240> frame_ms{};  ///< a ring
+  int frame_index = 0;
+  std::array<double, 3> go_to{};  ///< longitude, latitude, height, as typed
+};
+
+/// Draws the panel, the help and the scene map with Dear ImGui, between its NewFrame and Render. Returns the
+/// place to go to when the user has asked for it: longitude, latitude, height.
+std::optional<std::array<double, 3>> draw_panel(PanelState& state, gl::FrameLook& look, const ViewState& view,
+                                                const RenderList* list);
+
+/// The keys, a line each, as F1 and --help show them.
+extern const char* const kKeysHelp;
+
+}  // namespace cairn::viewer
