@@ -1,0 +1,49 @@
+// Any bytes are decoded as the block of a height tile and of a texture tile.
+
+#include <catch2/catch.hpp>
+
+#include "format/height_block.h"
+#include "format/texture_tile.h"
+#include "tests/fuzz/fuzz.h"
+#include "tests/test_pack.h"
+
+namespace cairn {
+namespace {
+
+void height_block(std::span<const std::byte> input) {
+  const auto tile = decode_height_block(input, 257);
+  if (tile) REQUIRE(tile->samples.size() == 257 * 257);
+}
+
+void texture_block(std::span<const std::byte> input) {
+  const auto tile = decode_texture_block(input, 256);
+  if (tile) REQUIRE(tile->texels.size() == texture_chain_bytes(tile->format, 256));
+}
+
+}  // namespace
+
+TEST_CASE("no bytes make decoding a height tile crash, in any codec") {
+  const test::TestSurface plain{257, 2, test::hills, {}};
+  const test::TestSurface holes{257, 2, test::hills,
+                                [](auto c, auto r) { return (c * c + r * r) % 97 < 30; }};
+  std::vector<std::vector<std::byte>> seeds;
+  for (const HeightCodec* codec : height_codecs()) {
+    for (const auto& surface : {plain, holes}) {
+      seeds.push_back(encode_height_block(surface.tile({2, 8, 4}), *codec));
+    }
+  }
+  test::run_fuzz(height_block, seeds, 5000);
+}
+
+TEST_CASE("no bytes make decoding a texture tile crash") {
+  std::vector<std::vector<std::byte>> seeds;
+  for (const TextureFormat format : {TextureFormat::bc1, TextureFormat::bc3, TextureFormat::bc7}) {
+    TextureTile tile{format, 256, {}};
+    tile.texels.resize(texture_chain_bytes(format, 256));
+    for (std::size_t i = 0; i < tile.texels.size(); i += 37) tile.texels[i] = static_cast<std::byte>(i);
+    seeds.push_back(encode_texture_block(tile));
+  }
+  test::run_fuzz(texture_block, seeds, 5000);
+}
+
+}  // namespace cairn
