@@ -3,7 +3,7 @@
 namespace cairn {
 namespace {
 
-constexpr std::size_t kBlock = 16;  // sums that fit the registers of the narrowest CPU
+constexpr std::size_t kBlock = 32;  // with 16, GCC 12 vectorises across the weights, at half the speed
 
 template <class Out>
 [[gnu::always_inline]] inline void combine(std::span<const double> weights, Rows<const double> in,
