@@ -8,6 +8,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "builder/raster_source.h"
+#include "tests/test_data.h"
+
 namespace cairn {
 namespace {
 
@@ -183,6 +186,33 @@ TEST_CASE("filling depends on 140 to 176 posts around the window") {
         CHECK(margin >= 140);
         CHECK(margin <= 176);
       }
+    }
+  }
+}
+
+TEST_CASE("the voids of a real cell in high relief are filled, tile by tile as at once") {
+  const auto data = test::real_data();
+  if (!data) return;
+  const auto source = open_raster(*data / "geotiff/N46E008.tif", {});
+  REQUIRE(source.ok());
+  const RasterInfo& info = (*source)->info();
+  Raster cell{{{0, info.columns - 1}, {0, info.rows - 1}}, {}};
+  cell.heights.resize(static_cast<std::size_t>(cell.window.count()));
+  REQUIRE((*source)->read_heights({0, 0, info.columns, info.rows}, cell.heights).ok());
+  CHECK(std::count_if(cell.heights.begin(), cell.heights.end(), [](float h) { return std::isnan(h); }) ==
+        103743);
+
+  const FillPyramid pyramid = pyramid_of(cell);
+  const Raster once = filled(cell, pyramid, cell.window);
+  for (std::size_t i = 0; i < once.heights.size(); ++i) {
+    REQUIRE(once.heights[i] >= 187);  // the cell's lowest and highest posts
+    REQUIRE(once.heights[i] <= 4173);
+    if (!std::isnan(cell.heights[i])) REQUIRE(once.heights[i] == cell.heights[i]);
+  }
+  for (std::int64_t y = 0; y < info.rows; y += 409) {
+    for (std::int64_t x = 0; x < info.columns; x += 303) {
+      const IndexWindow tile{{x, std::min(x + 302, info.columns - 1)}, {y, std::min(y + 408, info.rows - 1)}};
+      REQUIRE(filled(cell, pyramid, tile).heights == part_of(once, tile).heights);
     }
   }
 }
