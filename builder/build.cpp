@@ -9,8 +9,8 @@
 #include "builder/build_metadata.h"
 #include "builder/build_plan.h"
 #include "builder/fingerprint.h"
-#include "builder/height_bake.h"
-#include "builder/journal.h"
+#include "builder/height_layer.h"
+#include "builder/layer_bake.h"
 #include "builder/memory_budget.h"
 #include "builder/mosaic.h"
 #include "builder/resume.h"
@@ -69,24 +69,25 @@ Result<BuildReport> build_in_arena(const BuildOptions& options, int threads,
   if (!work) return work.error();
 
   // 4. Sample, measure, encode and write every tile, the finest first, each above its children.
-  auto heights = bake_heights(**mosaic, *plan, options.voids, threads, std::move(work->done), work->writer,
-                              work->journal, progress);
-  if (!heights) return discard(options, *work, heights.error());
+  HeightLayer heights(**mosaic, *plan, options.voids);
+  const auto samples = bake_layer(heights, plan->tree(), threads, *work, progress);
+  if (!samples) return discard(options, *work, samples.error());
 
   // 5. Hold the measured accuracy against the promise.
-  const Status promise = check_promise(heights->accuracy, *plan);
+  const Status promise = check_promise(heights.summary().accuracy, *plan);
   if (!promise && !options.allow_error) return discard(options, *work, promise.error());
 
   // 6. Write metadata, index and header; the target appears.
   BuildReport report;
-  report.metadata_json = describe_pack(**mosaic, *plan, options, *heights, *hashes, work->writer.entries());
+  report.metadata_json =
+      describe_pack(**mosaic, *plan, options, heights.summary(), *hashes, work->writer.entries());
   if (auto status = work->writer.finish(report.metadata_json); !status)
     return discard(options, *work, status.error());
   remove_journal(options.target);
 
   report.promise_kept = promise.ok();
   if (!promise) report.warning = promise.error().message;
-  report.samples = heights->samples;
+  report.samples = *samples;
   std::error_code ignored;
   report.file_bytes = std::filesystem::file_size(options.target, ignored);
   report.resumed = work->resumed;
@@ -125,7 +126,7 @@ Result<DryRun> dry_run(const BuildOptions& options) {
                plan->promise_m(),
                plan->quantum_m(),
                (*mosaic)->bounds(),
-               plan->tiles_by_level(),
+               plan->tree().tiles_by_level(),
                0,
                0,
                0,

@@ -6,7 +6,7 @@
 
 #include "builder/build_options.h"
 #include "builder/build_plan.h"
-#include "builder/height_bake.h"
+#include "builder/height_layer.h"
 #include "builder/mosaic.h"
 #include "format/pack_layout.h"
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cassert>
 #include <cstring>
+#include <optional>
 
 #include "format/bytes.h"
 #include "format/checksum.h"
@@ -19,11 +20,11 @@ std::vector<std::byte> encode(const UnitRecord& record) {
   ByteWriter writer(bytes);
   writer.write(static_cast<std::uint32_t>(record.entries.size()));
   for (const IndexEntry& entry : record.entries) append_entry(entry, bytes);
-  append_baked_tile(record.root, bytes);
+  writer.append(record.root);
   return bytes;
 }
 
-Result<UnitRecord> decode(std::span<const std::byte> bytes, int tile_size) {
+Result<UnitRecord> decode(std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
   UnitRecord record;
   for (auto n = reader.read<std::uint32_t>(); n > 0; --n) {
@@ -33,10 +34,27 @@ Result<UnitRecord> decode(std::span<const std::byte> bytes, int tile_size) {
     if (!entry) return entry.error();
     record.entries.push_back(*entry);
   }
-  auto root = read_baked_tile(reader, tile_size);
-  if (!root) return root.error();
-  record.root = std::move(*root);
+  const auto root = reader.take(reader.remaining());
+  record.root.assign(root.begin(), root.end());
   return record;
+}
+
+// The record that starts at `at`; nullopt where it is not whole.
+std::optional<UnitRecord> read_record(const File& file, std::uint64_t size, std::uint64_t at) {
+  std::array<std::byte, kRecordHeaderBytes> header{};
+  if (size - at < kRecordHeaderBytes || !file.read(at, header)) return std::nullopt;
+  ByteReader lengths(header);
+  const auto length = lengths.read<std::uint64_t>();
+  const auto sum = lengths.read<std::uint64_t>();
+  const std::uint64_t body = at + kRecordHeaderBytes;
+  if (length > size - body) return std::nullopt;
+  std::vector<std::byte> bytes(static_cast<std::size_t>(length));
+  if (!file.read(body, bytes) || checksum(bytes) != sum) return std::nullopt;
+  auto record = decode(bytes);
+  if (!record) return std::nullopt;
+  record->start = at;
+  record->end = body + length;
+  return std::move(*record);
 }
 
 }  // namespace
@@ -69,8 +87,7 @@ Result<Journal> Journal::reopen(const std::filesystem::path& target, const std::
   return journal;
 }
 
-std::vector<UnitRecord> Journal::read(const std::filesystem::path& target, std::uint64_t fingerprint,
-                                      int tile_size) {
+std::vector<UnitRecord> Journal::read(const std::filesystem::path& target, std::uint64_t fingerprint) {
   std::vector<UnitRecord> records;
   const auto file = File::open_to_read(path_for(target));
   if (!file) return records;
@@ -81,23 +98,18 @@ std::vector<UnitRecord> Journal::read(const std::filesystem::path& target, std::
   if (std::memcmp(reader.take(kMagic.size()).data(), kMagic.data(), kMagic.size()) != 0) return records;
   if (reader.read<std::uint64_t>() != fingerprint) return records;
 
-  for (std::uint64_t at = kHeaderBytes; size - at >= kRecordHeaderBytes;) {
-    std::array<std::byte, kRecordHeaderBytes> record_header{};
-    if (!file->read(at, record_header)) break;
-    ByteReader lengths(record_header);
-    const auto length = lengths.read<std::uint64_t>();
-    const auto sum = lengths.read<std::uint64_t>();
-    at += kRecordHeaderBytes;
-    if (length > size - at) break;
-    std::vector<std::byte> bytes(static_cast<std::size_t>(length));
-    if (!file->read(at, bytes) || checksum(bytes) != sum) break;
-    auto record = decode(bytes, tile_size);
-    if (!record) break;
-    at += length;
-    record->end = at;
+  for (auto record = read_record(*file, size, kHeaderBytes); record;
+       record = read_record(*file, size, records.back().end)) {
+    record->root = {};
     records.push_back(std::move(*record));
   }
   return records;
+}
+
+Result<std::vector<std::byte>> Journal::read_root(const UnitRecord& record) const {
+  auto whole = read_record(file_, record.end, record.start);
+  if (!whole) return bad_data(file_.path().string() + ": a record: expected it as it was, found it damaged");
+  return std::move(whole->root);
 }
 
 Status Journal::append(const UnitRecord& record) {

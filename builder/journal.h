@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <vector>
 
-#include "builder/baked_tile.h"
 #include "format/file.h"
 #include "format/pack_layout.h"
 #include "format/status.h"
@@ -14,8 +13,9 @@ namespace cairn {
 /// What one task of a bake added to the pack.
 struct UnitRecord {
   std::vector<IndexEntry> entries;  ///< in the order in which they were added
-  BakedTile root;                   ///< of the unit's subtree
-  std::uint64_t end = 0;            ///< of the record in its journal
+  std::vector<std::byte> root;  ///< of the unit's subtree, as its layer writes it; empty as read() gives it
+  std::uint64_t start = 0;      ///< of the record in its journal
+  std::uint64_t end = 0;
 };
 
 /// The record of a bake that is under way, `TARGET.journal`: one checked record a unit, so that an
@@ -33,10 +33,13 @@ class Journal {
   /// read().
   static Result<Journal> reopen(const std::filesystem::path& target, const std::vector<UnitRecord>& records);
 
-  /// The records of an interrupted bake with this fingerprint, up to the first that is not whole; empty where
-  /// there is no journal or it belongs to another bake.
-  static std::vector<UnitRecord> read(const std::filesystem::path& target, std::uint64_t fingerprint,
-                                      int tile_size);
+  /// The records of an interrupted bake with this fingerprint, up to the first that is not whole, without
+  /// their roots: those of a large bake would fill the memory. Empty where there is no journal or it belongs
+  /// to another bake.
+  static std::vector<UnitRecord> read(const std::filesystem::path& target, std::uint64_t fingerprint);
+
+  /// The root of such a record.
+  Result<std::vector<std::byte>> read_root(const UnitRecord& record) const;
 
   Status append(const UnitRecord& record);
 

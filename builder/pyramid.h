@@ -1,11 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
-#include "builder/baked_tile.h"
-#include "builder/build_plan.h"
+#include "builder/tile_tree.h"
 #include "format/pack_layout.h"
 #include "format/status.h"
 
@@ -17,31 +18,56 @@ struct TileBlock {
   std::vector<std::byte> block;
 };
 
-/// Puts a tree of tiles together from its leaves, in the order of the plan's walk, and hands out the tiles to
-/// be stored: a tile is left out where its parent's surface is within the promise of every post and none of
-/// its descendants is stored. Not thread-safe.
+/// Puts a tree of tiles together from its leaves, in the order of the tree's walk, and hands out the tiles to
+/// be stored. Not thread-safe. What tiles are is the layer's: it has
+///   Layer::Tile                                            with a member `id`,
+///   Tile open_parent(const TileId&) const                  before its children are in,
+///   void take(const Tile& child, bool first, Tile&) const  puts a child into its parent,
+///   void close_parent(Tile&) const                         once all are in,
+///   Result<std::optional<TileBlock>> settle(Tile&) const   what is stored of a tile, if it is.
+template <class Layer>
 class Pyramid {
  public:
+  using Tile = typename Layer::Tile;
   using Emit = std::function<Status(TileBlock&&)>;
 
-  /// Tiles coarser than `root_level` are left to another pyramid. REQUIRES: the plan outlives the pyramid.
-  Pyramid(const BuildPlan& plan, int root_level, Emit emit);
+  /// Tiles coarser than `root_level` are left to another pyramid. REQUIRES: layer and tree outlive it.
+  Pyramid(const Layer& layer, const TileTree& tree, int root_level, Emit emit)
+      : layer_(layer), tree_(tree), root_level_(root_level), emit_(std::move(emit)) {}
 
   /// Takes the next leaf or finished subtree. Gives back the root when this completes it.
-  Result<std::optional<BakedTile>> add(BakedTile child);
+  Result<std::optional<Tile>> add(Tile child) {
+    while (child.id.level > root_level_) {
+      if (auto status = settle(child); !status) return status.error();
+      const TileId parent_id = parent_of(child.id);
+      if (open_.empty() || open_.back().parent.id != parent_id)
+        open_.push_back({layer_.open_parent(parent_id), tree_.children_of(parent_id), true});
+      OpenParent& into = open_.back();
+      layer_.take(child, std::exchange(into.is_new, false), into.parent);
+      if (--into.waiting_for > 0) return std::optional<Tile>{};
+      layer_.close_parent(into.parent);
+      child = std::move(into.parent);
+      open_.pop_back();
+    }
+    return std::optional<Tile>(std::move(child));
+  }
 
   /// Emits the tile, unless it is left out. For roots: add() does it for all others.
-  Status settle(BakedTile& tile);
+  Status settle(Tile& tile) {
+    auto block = layer_.settle(tile);
+    if (!block) return block.error();
+    return *block ? emit_(std::move(**block)) : Status();
+  }
 
  private:
   struct OpenParent {
-    BakedTile parent;
+    Tile parent;
     int waiting_for = 0;
-    int children = 0;
+    bool is_new = true;
   };
-  void take(const BakedTile& child, OpenParent& into) const;
 
-  const BuildPlan& plan_;
+  const Layer& layer_;
+  const TileTree& tree_;
   int root_level_;
   Emit emit_;
   std::vector<OpenParent> open_;

@@ -45,7 +45,7 @@ Result<Work> begin_or_resume(const BuildOptions& options, const PackHeader& head
   std::vector<UnitRecord> done;
   if (options.resume) {
     done = whole_units(std::filesystem::path(options.target).concat(".part"),
-                       Journal::read(options.target, print, options.tile_size));
+                       Journal::read(options.target, print));
   }
   std::vector<IndexEntry> entries;
   for (const UnitRecord& record : done)

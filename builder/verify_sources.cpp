@@ -81,8 +81,8 @@ Result<PostStats> measure_against(const PackReader& pack, const BuildOptions& op
   const auto plan = BuildPlan::make(**mosaic, options);
   if (!plan) return plan.error();
   std::vector<TileId> leaves;
-  for (const TileId& unit : plan->units()) {
-    for (const TileId& leaf : plan->leaves(unit)) leaves.push_back(leaf);
+  for (const TileId& unit : plan->tree().units()) {
+    for (const TileId& leaf : plan->tree().leaves(unit)) leaves.push_back(leaf);
   }
   PostStats all;
   const auto status = run_in_order<PostStats>(

@@ -1,10 +1,11 @@
-#include "builder/pyramid.h"
+#include "builder/height_layer.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "builder/downsample.h"
+#include "builder/leaf.h"
 #include "format/height_block.h"
 
 namespace cairn {
@@ -50,24 +51,37 @@ TileBlock block_of(const BakedTile& baked) {
 
 }  // namespace
 
-Pyramid::Pyramid(const BuildPlan& plan, int root_level, Emit emit)
-    : plan_(plan), root_level_(root_level), emit_(std::move(emit)) {}
+std::uint64_t HeightLayer::samples_a_tile() const {
+  const auto intervals = static_cast<std::uint64_t>(plan_.tile_size() - 1);
+  return intervals * intervals;
+}
 
-Status Pyramid::settle(BakedTile& tile) {
+Result<BakedTile> HeightLayer::bake_leaf(const TileId& id) const {
+  return cairn::bake_leaf(mosaic_, plan_, id, voids_);
+}
+
+BakedTile HeightLayer::open_parent(const TileId& id) const {
+  BakedTile parent;
+  parent.id = id;
+  parent.tile = empty_parent(plan_.tile_size());
+  parent.filled = 1;
+  return parent;
+}
+
+Result<std::optional<TileBlock>> HeightLayer::settle(BakedTile& tile) const {
   const bool leave_out = !tile.has_stored && tile.id.level > plan_.top() && tile.open.size() > 1;
   if (leave_out) {
     tile.open.erase(tile.open.begin());
-    return {};
+    return std::optional<TileBlock>{};
   }
   assert(tile.id.level <= plan_.finest());  // finer ones can always be left out: bake_leaf() sees to it
   tile.settled.add(tile.open.front());
   tile.open.clear();
   tile.has_stored = true;
-  return emit_(block_of(tile));
+  return std::optional<TileBlock>(block_of(tile));
 }
 
-void Pyramid::take(const BakedTile& child, OpenParent& into) const {
-  BakedTile& parent = into.parent;
+void HeightLayer::take(const BakedTile& child, bool first, BakedTile& parent) const {
   take_child(child.tile, quadrant_of(child.id), parent.tile);
   parent.filled -= (1 - child.filled) / 4;
   parent.settled.add(child.settled);
@@ -76,7 +90,7 @@ void Pyramid::take(const BakedTile& child, OpenParent& into) const {
   for (std::size_t s = 0; s < child.posts_won.size(); ++s) parent.posts_won[s] += child.posts_won[s];
 
   const std::vector<double> errors = errors_above(child, plan_.quantum_m());
-  if (into.children++ == 0) {
+  if (first) {
     parent.errors_m = errors;
     parent.open = child.has_stored ? std::vector<PostStats>(1) : child.open;
     return;
@@ -88,26 +102,14 @@ void Pyramid::take(const BakedTile& child, OpenParent& into) const {
   add_stats(parent.open, child.open);
 }
 
-Result<std::optional<BakedTile>> Pyramid::add(BakedTile child) {
-  while (child.id.level > root_level_) {
-    if (auto status = settle(child); !status) return status.error();
-    const TileId parent_id = parent_of(child.id);
-    if (open_.empty() || open_.back().parent.id != parent_id) {
-      OpenParent fresh;
-      fresh.parent.id = parent_id;
-      fresh.parent.tile = empty_parent(plan_.tile_size());
-      fresh.parent.filled = 1;
-      fresh.waiting_for = plan_.children_of(parent_id);
-      open_.push_back(std::move(fresh));
-    }
-    OpenParent& into = open_.back();
-    take(child, into);
-    if (--into.waiting_for > 0) return std::optional<BakedTile>{};
-    close_parent(into.parent.tile);
-    child = std::move(into.parent);
-    open_.pop_back();
-  }
-  return std::optional<BakedTile>(std::move(child));
+void HeightLayer::close_parent(BakedTile& parent) const {
+  cairn::close_parent(parent.tile);
+}
+
+void HeightLayer::summarise(const BakedTile& root) {
+  summary_.accuracy.add(root.settled);
+  summary_.posts_won.resize(root.posts_won.size());
+  for (std::size_t s = 0; s < root.posts_won.size(); ++s) summary_.posts_won[s] += root.posts_won[s];
 }
 
 }  // namespace cairn
