@@ -8,8 +8,8 @@ namespace cairn {
 namespace {
 
 constexpr std::size_t kMiB = std::size_t{1} << 20;
-constexpr std::size_t kProgram = 56 * kMiB;  // code and libraries, measured on an idle start
-constexpr std::size_t kLeastCache = 16 * kMiB;
+constexpr std::size_t kProgram = 24 * kMiB;  // code, libraries and small things: an idle start shows 7 MiB
+constexpr std::size_t kLeastCache = 8 * kMiB;
 
 // Tiles alive at once, in a thread: a leaf's samples and posts, its pyramid, the blocks of two units.
 std::size_t for_thread(int tile_size) {

@@ -10,7 +10,7 @@ struct MemoryBudget {
 };
 
 /// What the program itself, the tiles in flight and the tree above them need comes first; the sources' caches
-/// get the rest, and never less than 16 MiB.
+/// get the rest, and never less than 8 MiB.
 MemoryBudget divide_memory(std::size_t memory_bytes, int threads, int tile_size);
 
 /// The least that a bake can promise to stay under.
