@@ -21,8 +21,13 @@ std::size_t count_inside(const TileId& outer, const Cover& cover, std::size_t fi
 
 }  // namespace
 
-CoverTile make_cover_tile(const TileId& area, const PackContents& contents, const Occluder& occluder) {
+CoverTile make_cover_tile(const TileId& area, const PackContents& contents, const Occluder& occluder,
+                          const Cover& known) {
   CoverTile tile{area, contents.nearest(Layer::heights, area), contents.nearest(Layer::imagery, area), {}};
+  const auto same = std::lower_bound(
+      known.begin(), known.end(), area,
+      [](const CoverTile& other, const TileId& wanted) { return depth_first_before(other.area, wanted); });
+  if (same != known.end() && same->shows_same(tile)) return *same;
   const double quantum = contents.pack().header().quantum_m;
   const double low = tile.heights ? tile.heights->min_quanta * quantum : 0;
   const double high = tile.heights ? tile.heights->max_quanta * quantum : 0;

@@ -35,10 +35,12 @@ struct CoverTile {
 /// north-east, in its place.
 using Cover = std::vector<CoverTile>;
 
-/// What covers the area, with the best that the pack can show there.
-CoverTile make_cover_tile(const TileId& area, const PackContents& contents, const Occluder& occluder);
+/// What covers the area, with the best that the pack can show there. Where `known` has the same tile, its
+/// volume is taken from there: it takes longer to compute than all the rest.
+CoverTile make_cover_tile(const TileId& area, const PackContents& contents, const Occluder& occluder,
+                          const Cover& known = {});
 
-/// Whether `a` comes before `b` in a cover. REQUIRES: neither contains the other.
+/// Whether `a` comes before `b` in a cover; false where one contains the other.
 bool depth_first_before(const TileId& a, const TileId& b);
 
 /// A smallest area on which two covers differ: one tile of the one, one or more of the other.

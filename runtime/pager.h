@@ -45,6 +45,7 @@ class Pager {
 
   /// What to draw from now on. REQUIRES: fits(target), or no coarser one does.
   void set_target(Cover target);
+  const Cover& target() const { return target_; }
   /// What may be wanted next, after all that is.
   void set_ahead(std::vector<IndexEntry> ahead);
 

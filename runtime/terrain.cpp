@@ -97,7 +97,7 @@ Cover Terrain::State::cover_for(const TileId& eye_tile) const {
 /// An area with nothing to show is split as far as needed for the coarsest tiles in it to show.
 void Terrain::State::add_to_cover(const TileId& area, bool has_source, Cover& cover) const {
   if (has_source || !contents.is_above_tiles(area)) {
-    cover.push_back(make_cover_tile(area, contents, occluder));
+    cover.push_back(make_cover_tile(area, contents, occluder, pager.target()));
     return;
   }
   for (int quadrant = 0; quadrant < 4; ++quadrant) {

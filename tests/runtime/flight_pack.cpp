@@ -42,7 +42,7 @@ class Baker {
  public:
   Baker(PackWriter& writer, int coarsest) : writer_(writer), coarsest_(coarsest) {
     for (std::uint64_t n = 0; n < kContents; ++n) {
-      blocks_[n] = encode_height_block(content(n), *find_height_codec(1));
+      blocks_[n] = encode_height_block(content(n), default_height_codec());
     }
   }
 
@@ -91,6 +91,34 @@ std::shared_ptr<const PackReader> FlightPack::open() const {
 
 std::int32_t FlightPack::first_sample(const TileId& id) {
   return static_cast<std::int32_t>(content_of(id)) * 100;
+}
+
+void write_imagery_pack(const std::filesystem::path& path, LonLat place, int finest_heights,
+                        int finest_imagery) {
+  PackHeader header;
+  header.tile_size = kTileSize;
+  Result<PackWriter> writer = PackWriter::create(path, header);
+  REQUIRE(writer.ok());
+  const auto heights = encode_height_block(content(1), default_height_codec());
+  TextureTile texture{TextureFormat::bc1, kTileSize - 1, {}};
+  texture.texels.resize(texture_chain_bytes(texture.format, texture.size), std::byte{0x5a});
+  const auto imagery = encode_texture_block(texture);
+  const auto add = [&](const TileId& id) {
+    IndexEntry entry;
+    entry.id = id;
+    entry.max_quanta = 200;
+    if (id.level <= finest_heights) REQUIRE(writer->add(entry, heights).ok());
+    entry.layer = Layer::imagery;
+    if (id.level <= finest_imagery) REQUIRE(writer->add(entry, imagery).ok());
+  };
+  add({kMinLevel, 0, 0});
+  for (int level = kMinLevel; level < std::max(finest_heights, finest_imagery); ++level) {
+    for (int quadrant = 0; quadrant < 4; ++quadrant) {
+      const TileId child = child_of(tile_at(place, level), quadrant);
+      if (is_valid(child)) add(child);
+    }
+  }
+  REQUIRE(writer->finish("{}").ok());
 }
 
 bool Faults::is_damaged(const TileKey& key) const {

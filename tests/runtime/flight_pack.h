@@ -30,6 +30,11 @@ class FlightPack {
   std::filesystem::path path_;
 };
 
+/// Writes a pack of 257² heights and 256² imagery along the path of tiles from level -9 to the place, both
+/// with all four children of every tile on the path, down to these levels.
+void write_imagery_pack(const std::filesystem::path& path, LonLat place, int finest_heights,
+                        int finest_imagery);
+
 /// A disk that is slow, fails now and then, and has damaged places; the same places every time.
 struct Faults {
   int longest_delay_ms = 0;  ///< each read takes 0 to this

@@ -473,6 +473,53 @@ TEST_CASE("a pack whose coarsest level is 0 is shown whole, from afar and from w
   CHECK(terrain.stats().holes == 0);
 }
 
+TEST_CASE("imagery deeper than the heights is shown over windows of the heights") {
+  const test::TempDir dir;
+  const LonLat place{10.3, 45.3};
+  test::write_imagery_pack(dir.path() / "imagery.cairn", place, 0, 3);
+  auto opened = PackReader::open(dir.path() / "imagery.cairn");
+  REQUIRE(opened.ok());
+  const auto reader = std::make_shared<const PackReader>(std::move(*opened));
+  Result<Terrain> terrain = Terrain::open(reader, small_options(2, 256));
+  REQUIRE(terrain.ok());
+  ViewState view;
+  view.eye = place;
+  view.height_m = 500;
+  const RenderList& list = rest(*terrain, view);
+  require_cover(list);
+  int windows = 0;
+  for (const RenderTile& tile : list.tiles) {
+    REQUIRE(tile.heights);
+    REQUIRE(tile.imagery);
+    REQUIRE(tile.imagery->texels.size() == texture_chain_bytes(tile.imagery->format, 256));
+    REQUIRE(tile.heights_id == reader->find_nearest(Layer::heights, tile.area)->id);
+    REQUIRE(tile.imagery_id == reader->find_nearest(Layer::imagery, tile.area)->id);
+    windows += tile.area.level == 3 && tile.imagery_id == tile.area && tile.heights_id.level == 0;
+  }
+  CHECK(terrain->eye_tile() == tile_at(place, 3));
+  CHECK(windows == 4);  // the four children of the one level-2 tile that has any
+}
+
+TEST_CASE("a tile of one colour becomes a texture of that colour") {
+  const test::TempDir dir;
+  test::write_imagery_pack(dir.path() / "imagery.cairn", {10.3, 45.3}, 0, 0);
+  auto opened = PackReader::open(dir.path() / "imagery.cairn");
+  REQUIRE(opened.ok());
+  const auto reader = std::make_shared<const PackReader>(std::move(*opened));
+  IndexEntry entry = *reader->find(Layer::imagery, {kMinLevel, 0, 0});
+  entry.flags = kConstant;
+  entry.min_quanta = static_cast<std::int32_t>(0x80FF00FFu);  // R 255, G 0, B 255, A 128
+  const auto tile = read_from(reader)(entry);
+  REQUIRE(tile.ok());
+  REQUIRE(tile->texture->format == TextureFormat::bc3);
+  const auto byte = [&](std::size_t i) { return std::to_integer<int>(tile->texture->texels[i]); };
+  for (const std::size_t block : {std::size_t{0}, tile->texture->texels.size() - 16}) {
+    CHECK(byte(block) == 128);
+    CHECK(byte(block + 8) == 0x1F);  // red and blue in full, no green, in 5-6-5
+    CHECK(byte(block + 9) == 0xF8);
+  }
+}
+
 TEST_CASE("what lies ahead is loaded before the eye gets there") {
   const FlightPack pack;
   const auto behind = [&](double look_ahead_s) {
