@@ -84,22 +84,13 @@ bool read_first_row(BitReader& in, std::int32_t base, std::span<std::int32_t> ro
 
 // --- Encoding ---
 
-struct Range {
-  std::int32_t low;
-  std::int32_t high;
-  bool narrow() const { return std::int64_t{high} - low <= 65535; }
-  /// The value that becomes 0, so that the others fit 16 bits.
-  std::int32_t base() const { return static_cast<std::int32_t>(low + ((std::int64_t{high} - low + 1) / 2)); }
-};
+bool is_narrow(const Range& range) {
+  return std::int64_t{range.high} - range.low <= 65535;
+}
 
-Range range_of(std::span<const std::int32_t> samples) {
-  std::int32_t low = samples[0];
-  std::int32_t high = samples[0];
-  for (const std::int32_t s : samples) {
-    low = std::min(low, s);
-    high = std::max(high, s);
-  }
-  return {low, high};
+/// The value that becomes 0, so that the others fit 16 bits.
+std::int32_t base_of(const Range& range) {
+  return static_cast<std::int32_t>(range.low + ((std::int64_t{range.high} - range.low + 1) / 2));
 }
 
 Plane padded(const Geometry& g, std::span<const std::int32_t> samples, std::int32_t base) {
@@ -157,8 +148,8 @@ void encode(std::span<const std::int32_t> samples, int size, std::vector<std::by
     ByteWriter writer(out);
     writer.write(static_cast<std::uint8_t>(Form::constant));
     writer.write(range.low);
-  } else if (range.narrow()) {
-    encode_narrow(samples, size, range.base(), out);
+  } else if (is_narrow(range)) {
+    encode_narrow(samples, size, base_of(range), out);
   } else {
     out.push_back(static_cast<std::byte>(Form::wide));
     planes_codec.encode(samples, size, out);

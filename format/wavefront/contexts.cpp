@@ -11,9 +11,10 @@ namespace {
 
 /// The least activity of a class: the inverse.
 unsigned class_start(unsigned fine) {
-  return fine < 4 ? fine : (4 + fine % 4) << (fine / 4 - 1);
+  return (((4 + fine % 4) << fine / 4) + 3) / 4 - 1;
 }
 
+/// The least value of a class.
 unsigned value_start(unsigned value_class_index) {
   if (value_class_index < kSymbols) return value_class_index;
   const unsigned octave = value_class_index / (kSymbols / 2) - 1;
@@ -83,7 +84,7 @@ std::vector<Run> runs_of(const Histogram& histogram) {
   for (unsigned c = 0; c < kFineClasses; ++c) {
     Run run;
     run.first_class = c;
-    run.counts = histogram.counts[c];
+    std::copy_n(histogram.counts.begin() + Histogram::place(c, 0), kValueClasses, run.counts.begin());
     for (unsigned v = 0; v < kValueClasses; ++v) {
       run.total += run.counts[v];
       run.value_sum += std::uint64_t{run.counts[v]} * value_start(v);

@@ -8,12 +8,11 @@
 
 namespace cairn::wavefront {
 
-// Fine classes of activity: 0, 1, 2, 3, then four to an octave.
-inline constexpr unsigned kFineClasses = 4 * 14;
+// Fine classes of activity + 1: four to an octave (the lowest octaves have fewer).
+inline constexpr unsigned kFineClasses = 4 * 15;
 constexpr unsigned fine_class(unsigned activity) {
-  if (activity < 4) return activity;
-  const auto octave = static_cast<unsigned>(std::bit_width(activity)) - 1;
-  return 4 * (octave - 1) + ((activity >> (octave - 2)) & 3);
+  const auto octave = static_cast<unsigned>(std::bit_width(activity + 1)) - 1;
+  return 4 * octave + (((activity + 1) << 2 >> octave) & 3);
 }
 static_assert(fine_class(kActivityLimit) < kFineClasses);
 
@@ -29,7 +28,10 @@ constexpr unsigned value_class(unsigned value) {
 
 /// How often which values occur at which activities.
 struct Histogram {
-  std::array<std::array<std::uint32_t, kValueClasses>, kFineClasses> counts{};
+  static constexpr unsigned place(unsigned fine_class, unsigned value_class) {
+    return fine_class * kValueClasses + value_class;
+  }
+  std::array<std::uint32_t, kFineClasses * kValueClasses> counts{};
 };
 
 /// The limits of the contexts, their raw bits and their frequencies, for these residuals. Fine classes of

@@ -96,7 +96,8 @@ Residuals find_residuals_portable(const Geometry& g, const Plane& plane, const W
     }
     for (std::size_t i = start; i < start + static_cast<std::size_t>(g.size); ++i) {
       result.activities[i] = static_cast<std::uint16_t>(activity(magnitudes.data() + i, g.width));
-      ++histogram.counts[fine_class(result.activities[i])][value_class(result.zigzagged[i])];
+      ++histogram
+            .counts[Histogram::place(fine_class(result.activities[i]), value_class(result.zigzagged[i]))];
     }
   }
   return result;

@@ -96,21 +96,38 @@ CAIRN_AVX2 void find_activities(const Geometry& g, const RowWork& work, std::ptr
   }
 }
 
-struct ClassTables {
-  ClassTables() {
-    for (unsigned a = 0; a <= kActivityLimit; ++a) fine[a] = static_cast<std::uint8_t>(fine_class(a));
-    for (unsigned v = 0; v < values.size(); ++v) values[v] = static_cast<std::uint8_t>(value_class(v));
-  }
-  std::array<std::uint8_t, kActivityLimit + 1> fine;
-  std::array<std::uint8_t, (kSymbols << kMaxRawBits)> values;
-};
+/// Of eight 32-bit values from 1 on: the bits of a float from this many of its mantissa's on. The conversion
+/// is exact.
+template <int kMantissaBits>
+CAIRN_AVX2_INLINE Vec logarithm(Vec v) {
+  return _mm256_srli_epi32(_mm256_castps_si256(_mm256_cvtepi32_ps(v)), 23 - kMantissaBits);
+}
 
-void count_row(const Geometry& g, const RowWork& work, Histogram& histogram) {
-  static const ClassTables tables;
-  for (int i = 0; i < g.size; ++i) {
-    const unsigned value = work.zigzagged[i];
-    const unsigned value_class = value < tables.values.size() ? tables.values[value] : kValueClasses - 1;
-    ++histogram.counts[tables.fine[work.activities[i]]][value_class];
+/// fine_class and value_class at once, as a place in the histogram.
+CAIRN_AVX2_INLINE Vec places8(Vec activities, Vec values) {
+  constexpr int kBias = 127;
+  const Vec fine = _mm256_sub_epi32(logarithm<2>(_mm256_add_epi32(activities, _mm256_set1_epi32(1))),
+                                    _mm256_set1_epi32(4 * kBias));
+  // From 32 on both formulas agree, below the first one gives more, above the second.
+  const Vec low = _mm256_min_epi32(values, _mm256_set1_epi32(kSymbols - 1));
+  const Vec high = _mm256_sub_epi32(logarithm<5>(values), _mm256_set1_epi32(32 * (kBias + 4)));
+  const Vec value = _mm256_min_epi32(_mm256_max_epi32(low, high), _mm256_set1_epi32(kValueClasses - 1));
+  return _mm256_add_epi32(_mm256_mullo_epi32(fine, _mm256_set1_epi32(kValueClasses)), value);
+}
+
+CAIRN_AVX2_INLINE Vec widened(const std::uint16_t* p) {
+  return _mm256_cvtepu16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(p)));
+}
+
+CAIRN_AVX2 void count_row(const Geometry& g, const RowWork& work, Histogram& histogram) {
+  int i = 0;
+  for (; i + 8 <= g.size; i += 8) {
+    alignas(32) std::array<std::uint32_t, 8> places;
+    store(places.data(), places8(widened(work.activities + i), widened(work.zigzagged + i)));
+    for (const std::uint32_t place : places) ++histogram.counts[place];
+  }
+  for (; i < g.size; ++i) {
+    ++histogram.counts[Histogram::place(fine_class(work.activities[i]), value_class(work.zigzagged[i]))];
   }
 }
 
@@ -167,13 +184,22 @@ const Gathering& gathering() {
   return table;
 }
 
+struct Codes {
+  Vec inverse;
+  Vec rest;
+};
+CAIRN_AVX2_INLINE Codes look_up(const SymbolCodes& codes, Vec tokens) {
+  const Vec index = _mm256_and_si256(_mm256_srli_epi32(tokens, kTokenSymbolShift), _mm256_set1_epi32(511));
+  return {_mm256_i32gather_epi32(reinterpret_cast<const int*>(codes.inverse.data()), index, 4),
+          _mm256_i32gather_epi32(reinterpret_cast<const int*>(codes.rest.data()), index, 4)};
+}
+
 /// Codes a symbol in each of eight lanes; `coded` tells in which, unless kAll.
 template <bool kAll>
-CAIRN_AVX2_INLINE Vec put(const SymbolCodes& codes, const std::uint8_t (*shuffles)[16], Vec state, Vec token,
+CAIRN_AVX2_INLINE Vec put(const Codes& code, const std::uint8_t (*shuffles)[16], Vec state, Vec token,
                           Vec coded, std::uint16_t*& next) {
-  const Vec index = _mm256_and_si256(_mm256_srli_epi32(token, kTokenSymbolShift), _mm256_set1_epi32(511));
-  const Vec inverse = _mm256_i32gather_epi32(reinterpret_cast<const int*>(codes.inverse.data()), index, 4);
-  const Vec rest = _mm256_i32gather_epi32(reinterpret_cast<const int*>(codes.rest.data()), index, 4);
+  const Vec inverse = code.inverse;
+  const Vec rest = code.rest;
   const Vec frequency = _mm256_and_si256(rest, _mm256_set1_epi32(0x3ff));
   const Vec start = _mm256_and_si256(_mm256_srli_epi32(rest, 10), _mm256_set1_epi32(0x3ff));
   const Vec shift = _mm256_and_si256(_mm256_srli_epi32(rest, 20), _mm256_set1_epi32(0xf));
@@ -232,6 +258,8 @@ class Avx2Encoder {
   void note_escapes(int row, int column, int count);
   CAIRN_AVX2 void load_block(int first_step);
   CAIRN_AVX2 void step_back(int step);
+  template <bool kAll>
+  CAIRN_AVX2 void put_all(const Vec* groups);
   std::uint16_t* lane_start(int lane) {
     return tokens_.get() + static_cast<std::size_t>(lane) * lane_stride_ + kLag;
   }
@@ -246,7 +274,8 @@ class Avx2Encoder {
   Vec limits_[kContexts - 1];
   Vec multipliers_, unshifted_, raw_masks_;  // by context: 2^(16 - raw bits) or 0; all ones where no raw bits
   Vec block_[kBlock][kGroups];
-  Vec states_[kGroups][2];
+  Vec states_[2 * kGroups];
+  const std::uint8_t (*shuffles_)[16] = gathering().shuffles;
   std::uint16_t* next_ = nullptr;
 };
 
@@ -346,28 +375,39 @@ CAIRN_AVX2 void Avx2Encoder::load_block(int first_step) {
 }
 
 CAIRN_AVX2 void Avx2Encoder::step_back(int step) {
-  const std::uint8_t(*shuffles)[16] = gathering().shuffles;
-  std::uint16_t* next = next_;
-  Vec missing[kGroups];
-  Vec any = _mm256_setzero_si256();
+  const Vec* const groups = block_[step % kBlock];
+  Vec missing = _mm256_setzero_si256();
   for (int g = 0; g < kGroups; ++g) {
-    missing[g] = _mm256_cmpeq_epi16(block_[step % kBlock][g], _mm256_set1_epi16(-1));
-    any = _mm256_or_si256(any, missing[g]);
+    missing = _mm256_or_si256(missing, _mm256_cmpeq_epi16(groups[g], _mm256_set1_epi16(-1)));
   }
-  const bool all = _mm256_testz_si256(any, any) != 0;
-  for (int g = kGroups; g-- > 0;) {
-    const Vec tokens = block_[step % kBlock][g];
-    const Vec odd = _mm256_srli_epi32(tokens, 16);
-    const Vec even = _mm256_and_si256(tokens, _mm256_set1_epi32(0xffff));
-    if (all) {
-      states_[g][1] = put<true>(codes_, shuffles, states_[g][1], odd, odd, next);
-      states_[g][0] = put<true>(codes_, shuffles, states_[g][0], even, even, next);
-    } else {
-      const Vec coded = _mm256_xor_si256(missing[g], _mm256_set1_epi32(-1));
-      states_[g][1] = put<false>(codes_, shuffles, states_[g][1], odd, _mm256_srai_epi32(coded, 16), next);
-      states_[g][0] = put<false>(codes_, shuffles, states_[g][0], even,
-                                 _mm256_srai_epi32(_mm256_slli_epi32(coded, 16), 16), next);
-    }
+  if (_mm256_testz_si256(missing, missing)) {
+    put_all<true>(groups);
+  } else {
+    put_all<false>(groups);
+  }
+}
+
+template <bool kAll>
+CAIRN_AVX2 void Avx2Encoder::put_all(const Vec* groups) {
+  constexpr std::size_t kVectors = 2 * kGroups;
+  Vec tokens[kVectors], coded[kVectors];
+  Codes codes[kVectors];
+#pragma GCC unroll 2
+  for (std::size_t g = 0; g < kGroups; ++g) {
+    tokens[2 * g] = _mm256_and_si256(groups[g], _mm256_set1_epi32(0xffff));
+    tokens[2 * g + 1] = _mm256_srli_epi32(groups[g], 16);
+  }
+#pragma GCC unroll 4
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    codes[v] = look_up(codes_, tokens[v]);
+    coded[v] = _mm256_cmpgt_epi32(_mm256_set1_epi32(kNoToken), tokens[v]);
+  }
+  const std::uint8_t(*shuffles)[16] = shuffles_;
+  std::uint16_t* next = next_;
+#pragma GCC unroll 4
+  for (std::size_t i = 0; i < kVectors; ++i) {
+    const std::size_t v = kVectors - 1 - i;
+    states_[v] = put<kAll>(codes[v], shuffles, states_[v], tokens[v], coded[v], next);
   }
   next_ = next;
 }
@@ -379,9 +419,7 @@ CAIRN_AVX2 Streams Avx2Encoder::run() {
   const auto words = std::make_unique_for_overwrite<std::uint16_t[]>(most + 8);
   std::uint16_t* const end = words.get() + most + 8;
   next_ = end;
-  for (auto& group : states_) {
-    for (Vec& states : group) states = _mm256_set1_epi32(kStateFloor);
-  }
+  for (Vec& states : states_) states = _mm256_set1_epi32(kStateFloor);
   for (int step = g_.steps - 1; step >= 0; --step) {
     if (step % kBlock == kBlock - 1 || step == g_.steps - 1) load_block(step - step % kBlock);
     step_back(step);

@@ -2,7 +2,36 @@
 
 #include <algorithm>
 
+#include "format/wavefront/avx2.h"
+
 namespace cairn::wavefront {
+
+namespace {
+
+inline __attribute__((always_inline)) Range find_range(std::span<const std::int32_t> samples) {
+  std::int32_t low = samples[0];
+  std::int32_t high = samples[0];
+  for (const std::int32_t s : samples) {
+    low = s < low ? s : low;
+    high = s > high ? s : high;
+  }
+  return {low, high};
+}
+
+#if defined(__x86_64__)
+CAIRN_AVX2 Range range_avx2(std::span<const std::int32_t> samples) {
+  return find_range(samples);
+}
+#endif
+
+}  // namespace
+
+Range range_of(std::span<const std::int32_t> samples) {
+#if defined(__x86_64__)
+  if (cpu_has_avx2()) return range_avx2(samples);
+#endif
+  return find_range(samples);
+}
 
 void pad_first_rows(const Geometry& g, Plane& plane) {
   std::int16_t* row = plane.data() + g.row_start(0);

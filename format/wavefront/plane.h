@@ -2,12 +2,19 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "format/wavefront/geometry.h"
 #include "format/wavefront/model.h"
 
 namespace cairn::wavefront {
+
+struct Range {
+  std::int32_t low;
+  std::int32_t high;
+};
+Range range_of(std::span<const std::int32_t> samples);
 
 /// The samples of a tile, less its base, with virtual rows and columns around so that every neighbour exists.
 /// Both sides fill them by the rules below; Geometry says where things lie.
