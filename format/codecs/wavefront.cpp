@@ -93,23 +93,6 @@ std::int32_t base_of(const Range& range) {
   return static_cast<std::int32_t>(range.low + ((std::int64_t{range.high} - range.low + 1) / 2));
 }
 
-Plane padded(const Geometry& g, std::span<const std::int32_t> samples, std::int32_t base) {
-  Plane plane(g.plane_area());
-  const auto size = static_cast<std::size_t>(g.size);
-  for (std::size_t row = 0; row < size; ++row) {
-    std::int16_t* to = plane.data() + g.row_start(static_cast<int>(row)) + kLeft;
-    for (std::size_t i = 0; i < size; ++i) {
-      to[i] = to_base(samples[row * size + i], base);
-    }
-    if (row == 0) {
-      pad_first_rows(g, plane);
-    } else {
-      pad_row(g, plane, static_cast<int>(row));
-    }
-  }
-  return plane;
-}
-
 void write_narrow(std::int32_t base, std::span<const std::byte> bits, const Streams& streams,
                   std::vector<std::byte>& out) {
   ByteWriter writer(out);
@@ -127,7 +110,7 @@ void write_narrow(std::int32_t base, std::span<const std::byte> bits, const Stre
 void encode_narrow(std::span<const std::int32_t> samples, int size, std::int32_t base,
                    std::vector<std::byte>& out) {
   const Geometry g(size);
-  const Plane plane = padded(g, samples, base);
+  const Plane plane = make_plane(g, samples, base);
   Model model;
   model.weights = fit_weights(g, plane);
   Histogram histogram;

@@ -93,13 +93,6 @@ CAIRN_AVX2 void add_samples_avx2(const std::int16_t* samples, std::size_t count,
 }
 #endif
 
-AddSamples best_add_samples() {
-#if defined(__x86_64__)
-  if (cpu_has_avx2()) return add_samples_avx2;
-#endif
-  return add_samples_portable;
-}
-
 /// Solves the normal equations by Cholesky's method, in place. The ridge keeps flat and featureless tiles
 /// solvable.
 std::array<double, kUnknowns> solve(Sums& a) {
@@ -140,11 +133,8 @@ Weights rounded(const std::array<double, kUnknowns>& solution) {
   return weights;
 }
 
-}  // namespace
-
-Weights fit_weights(const Geometry& g, const Plane& plane) {
+Weights fit_with(AddSamples add, const Geometry& g, const Plane& plane) {
   const auto offsets = tap_offsets(g);
-  const AddSamples add = best_add_samples();
   Sums sums{};
   // Drawn by a small generator: sources have stripes with periods of a few rows or columns.
   std::uint32_t draw = 1;
@@ -159,6 +149,19 @@ Weights fit_weights(const Geometry& g, const Plane& plane) {
     }
   }
   return rounded(solve(sums));
+}
+
+}  // namespace
+
+Weights fit_weights_portable(const Geometry& g, const Plane& plane) {
+  return fit_with(add_samples_portable, g, plane);
+}
+
+Weights fit_weights(const Geometry& g, const Plane& plane) {
+#if defined(__x86_64__)
+  if (cpu_has_avx2()) return fit_with(add_samples_avx2, g, plane);
+#endif
+  return fit_weights_portable(g, plane);
 }
 
 }  // namespace cairn::wavefront

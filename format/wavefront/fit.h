@@ -9,4 +9,7 @@ namespace cairn::wavefront {
 /// the bit on every CPU.
 Weights fit_weights(const Geometry& g, const Plane& plane);
 
+/// The same without wide instructions.
+Weights fit_weights_portable(const Geometry& g, const Plane& plane);
+
 }  // namespace cairn::wavefront

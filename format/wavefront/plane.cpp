@@ -40,4 +40,21 @@ void pad_first_rows(const Geometry& g, Plane& plane) {
   std::copy(row, row + g.width, plane.data() + g.row_start(-1));
 }
 
+Plane make_plane(const Geometry& g, std::span<const std::int32_t> samples, std::int32_t base) {
+  Plane plane(g.plane_area());
+  const auto size = static_cast<std::size_t>(g.size);
+  for (std::size_t row = 0; row < size; ++row) {
+    std::int16_t* to = plane.data() + g.row_start(static_cast<int>(row)) + kLeft;
+    for (std::size_t i = 0; i < size; ++i) {
+      to[i] = to_base(samples[row * size + i], base);
+    }
+    if (row == 0) {
+      pad_first_rows(g, plane);
+    } else {
+      pad_row(g, plane, static_cast<int>(row));
+    }
+  }
+  return plane;
+}
+
 }  // namespace cairn::wavefront

@@ -20,6 +20,9 @@ Range range_of(std::span<const std::int32_t> samples);
 /// Both sides fill them by the rules below; Geometry says where things lie.
 using Plane = std::vector<std::int16_t>;
 
+/// A whole tile's plane.
+Plane make_plane(const Geometry& g, std::span<const std::int32_t> samples, std::int32_t base);
+
 /// Row -1 is a copy of row 0; both have their first and last samples repeated.
 void pad_first_rows(const Geometry& g, Plane& plane);
 
