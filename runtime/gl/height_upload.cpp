@@ -7,8 +7,7 @@
 namespace cairn::gl {
 
 HeightUpload prepare_heights(const TileId& id, const HeightTile& tile, double quantum_m) {
-  return {height_texels(tile, quantum_m), normal_map(id, tile, quantum_m),
-          decimation_errors(tile, quantum_m)};
+  return {height_texels(tile), normal_map(id, tile, quantum_m), relief_of(tile, quantum_m)};
 }
 
 ReadTile HeightUploads::preparing(ReadTile read, double quantum_m) {

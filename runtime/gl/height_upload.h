@@ -16,7 +16,7 @@ namespace cairn::gl {
 struct HeightUpload {
   HeightTexels heights;
   std::vector<std::byte> normals;  ///< normal_map()
-  DecimationErrors errors{};
+  TileRelief relief;
 };
 HeightUpload prepare_heights(const TileId& id, const HeightTile& tile, double quantum_m);
 

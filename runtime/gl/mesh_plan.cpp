@@ -60,22 +60,6 @@ int cells_log2_of_overhang(const TileId& area) {
   return cells_log2;
 }
 
-double deviation_m(const Patch& patch, int cells_log2, int tile_cells_log2) {
-  const double chord = chord_deviation_m(patch.area, cells_log2);
-  if (!patch.surface) return chord;
-  const int dropped = patch.surface->id.level + tile_cells_log2 - patch.area.level - cells_log2;
-  const auto k = static_cast<std::size_t>(std::clamp(dropped, 0, kMaxCellsLog2));
-  return chord + static_cast<double>(patch.surface->errors[k]);
-}
-
-int cells_log2_for_eye(const Patch& patch, const MeshRules& rules) {
-  const int finest = cells_log2_of(rules.tile_size);
-  const double allowed_m = rules.tolerance_px * patch.distance_m / rules.pixels_per_radian;
-  int cells_log2 = 0;
-  while (cells_log2 < finest && deviation_m(patch, cells_log2, finest) > allowed_m) ++cells_log2;
-  return cells_log2;
-}
-
 class Planner {
  public:
   Planner(std::span<const MeshArea> areas, const MeshRules& rules)
@@ -156,13 +140,32 @@ class Planner {
     const Patch& patch = patches_[index];
     const LatticePoint corner = south_west_of(patch.area);
     const int cells = 1 << cells_log2_[index];
-    GridPatch grid{patch.area, patch.from, cells_log2_[index], cells, cells, plan_.perimeter.size()};
+    GridPatch grid{patch.area, patch.from, cells_log2_[index], cells, cells, 0, plan_.perimeter.size()};
     const std::int64_t step = spacing(index);
     grid.cells_east = static_cast<int>(std::min<std::int64_t>(cells, (kLatticeAround - corner.x) / step));
     grid.cells_north =
         static_cast<int>(std::min<std::int64_t>(cells, (kLatticePoleToPole - corner.y) / step));
+    for (Side side : {Side::south, Side::north, Side::west, Side::east}) {
+      if (is_plain(index, grid, side)) continue;
+      grid.listed_sides |= 1u << static_cast<unsigned>(side);
+      append_side(index, grid, side);
+    }
     plan_.patches.push_back(grid);
-    for (Side side : {Side::south, Side::north, Side::west, Side::east}) append_side(index, grid, side);
+  }
+
+  /// Whether the side is drawn with the patch's own samples where they are, so that the GPU has all of it.
+  bool is_plain(std::size_t index, const GridPatch& grid, Side side) const {
+    const int finest_of_tile = cells_log2_of(rules_.tile_size);
+    const int lattice = grid.area.level + grid.cells_log2;
+    const auto has_samples = [&](const SurfaceTile* surface) {
+      return surface && lattice <= surface->id.level + finest_of_tile;
+    };
+    const SurfaceTile* own = patches_[index].surface;
+    if (!deciders_.empty() || !has_samples(own) || !own->exact_on_gpu) return false;
+    const auto& joints = joints_[index][static_cast<std::size_t>(side)];
+    return std::all_of(joints.begin(), joints.end(), [&](const Joint& joint) {
+      return joint.spacing <= spacing(index) && has_samples(joint.surface);
+    });
   }
 
   void append_side(std::size_t index, const GridPatch& grid, Side side) {

@@ -27,24 +27,21 @@ struct GridPatch {
   int cells_log2 = 0;    ///< a whole side has 2^cells_log2 cells
   int cells_east = 0;    ///< up to the end of the world: less than 2^cells_log2 only in overhanging tiles
   int cells_north = 0;
-  std::size_t perimeter = 0;  ///< its first entry in MeshPlan::perimeter
+  unsigned listed_sides =
+      0;  ///< bits: 1 south, 2 north, 4 west, 8 east; the others are the patch's own samples
+  std::size_t perimeter = 0;  ///< the first entry of the listed sides in MeshPlan::perimeter
 
   int cells() const { return 1 << cells_log2; }
 };
 
-/// Where a vertex of a patch's perimeter is drawn: on a vertex of the same side that the neighbour has too,
-/// at the height that the neighbour uses too.
+/// Where a vertex of a listed side is drawn: on a vertex of the same side that the neighbour has too, at the
+/// height that the neighbour uses too. A side of n cells has n+1 entries, from the west or the south; the
+/// listed sides of a patch follow each other in the order of their bits.
 struct PerimeterVertex {
   std::uint16_t column = 0;
   std::uint16_t row = 0;
   float height_m = 0;  ///< NaN: void
 };
-
-/// The perimeter of a patch of n = 2^cells_log2: 4(n+1) entries: those of its south side, its north side, its
-/// west side and its east side, each from the west or south.
-inline std::size_t perimeter_size(const GridPatch& patch) {
-  return 4 * (static_cast<std::size_t>(patch.cells()) + 1);
-}
 
 struct MeshPlan {
   std::vector<GridPatch> patches;
@@ -56,19 +53,20 @@ struct MeshRules {
   double pixels_per_radian = 1000;  ///< picture height / (2 tan(fov / 2))
   double tolerance_px = 1;          ///< screen error that the mesh may add to the tiles' own
   glm::dvec3 eye{};                 ///< geocentric, metres
+  std::vector<glm::dvec3> inward;   ///< normals of planes through the eye; what is behind one is left out
 };
 
 /// Chooses how many samples of each area are drawn, and joins the grids without cracks.
 ///
 /// Each patch takes the coarsest grid whose deviation, that of the decimated heights plus that of the chords
-/// from the Earth's curvature, is at most the tolerance as seen from the eye; an area whose finest grid has
-/// too long chords is split. Two patches that touch along a segment draw it with the vertices of the coarser
-/// of their grids: the finer grid's other vertices on it move onto those, so that no vertex of one lies on an
-/// edge of the other. (De Boer 2000 leaves vertices out likewise; here it is done for any two grids.) Samples
-/// nest, so that both read equal heights; where a patch is too small to have a sample of the coarser at its
-/// corners, and where one has no heights, all that touch the point take the height that the coarsest gives.
-/// Patches whose levels differ by more than kMaxLevelStep are split, so that the coarser has a vertex where a
-/// finer one ends.
+/// from the Earth's curvature, is at most the tolerance as seen from the eye; an area
+/// that needs more cells than a block has is split, so that its near parts get finer grids than its far ones.
+/// Two patches that touch along a segment draw it with the vertices of the coarser of their grids: the finer
+/// grid's other vertices on it move onto those, so that no vertex of one lies on an edge of the other. (De
+/// Boer 2000 leaves vertices out likewise; here it is done for any two grids.) Samples nest, so that both
+/// read equal heights; where a patch is too small to have a sample of the coarser at its corners, and where
+/// one has no heights, all that touch the point take the height that the coarsest gives. Patches whose levels
+/// differ by more than kMaxLevelStep are split, so that the coarser has a vertex where a finer one ends.
 ///
 /// REQUIRES: no two areas overlap; every surface has rules.tile_size samples a side.
 MeshPlan plan_mesh(std::span<const MeshArea> areas, const MeshRules& rules);

@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
-#include "runtime/bounding_volume.h"
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+
+#include "runtime/geodesy.h"
 
 namespace cairn::gl {
 namespace {
 
-constexpr double kLargestRadius = 6400000;  // of curvature, terrain included
+constexpr double kLargestRadius = 6420000;  // of curvature, terrain included
+constexpr double kNegligible_m = 0.002;     // of deviation, from wherever it is seen
 
 /// Patches by area: what covers a tile, if that is a patch of its level or a coarser one.
 class PatchIndex {
@@ -44,24 +47,59 @@ std::optional<TileId> across(const TileId& id, Side side) {
   return is_valid(other) ? std::optional(other) : std::nullopt;
 }
 
-Patch make_patch(const TileId& area, std::size_t from, const SurfaceTile* surface, const MeshRules& rules) {
-  const double low = surface ? surface->low_m : 0, high = surface ? surface->high_m : 0;
-  static const Occluder unused(0);
-  const BoundingVolume volume = bounding_volume(tile_bounds(area), low, high, unused);
-  return {area, from, surface, volume.distance_m(rules.eye)};
+double nearest_to_equator(const GeoBounds& bounds) {
+  return bounds.south > 0 ? bounds.south : bounds.north < 0 ? bounds.north : 0;
+}
+
+/// R(δφ²+δλ²cos²φ)/8, the error of linear interpolation, of a single cell as large as the area.
+double chord_deviation_m(const TileId& area) {
+  const double cosine = std::cos(glm::radians(nearest_to_equator(tile_bounds(area))));
+  const double side = std::ldexp(glm::radians(1.0), -area.level);
+  return kLargestRadius * side * side * (1 + cosine * cosine) / 8;
+}
+
+/// What encloses a part of an area: a sphere is enough, as the parts are small where it matters.
+struct Sphere {
+  glm::dvec3 centre;
+  double radius = 0;
+};
+Sphere sphere_around(const TileId& area, const Relief* relief) {
+  const GeoBounds b = tile_bounds(area);
+  const double low = relief ? static_cast<double>(relief->low_m) : 0;
+  const double high = relief ? static_cast<double>(relief->high_m) : 0;
+  const glm::dvec3 centre =
+      to_geocentric({(b.west + b.east) / 2, std::min((b.south + b.north) / 2, 90.0)}, (low + high) / 2);
+  // The way along the surface from the middle to a corner is no shorter than the chord.
+  const double half = glm::radians(b.width()) / 2 * kLargestRadius;
+  const double half_east = half * std::cos(glm::radians(nearest_to_equator(b)));
+  return {centre, std::hypot(half_east, half) + (high - low) / 2};
+}
+
+bool is_seen(const Sphere& sphere, const MeshRules& rules) {
+  return std::all_of(rules.inward.begin(), rules.inward.end(), [&](const glm::dvec3& normal) {
+    return glm::dot(sphere.centre - rules.eye, normal) + sphere.radius >= 0;
+  });
+}
+
+/// Adds the children of a patch that can be seen.
+template <class Add>
+void for_each_part(const Patch& patch, const MeshRules& rules, Add add) {
+  for (int quadrant = 0; quadrant < 4; ++quadrant) {
+    const TileId child = child_of(patch.area, quadrant);
+    if (!is_valid(child)) continue;
+    const Sphere sphere = sphere_around(child, patch.surface ? &patch.surface->relief_under(child) : nullptr);
+    if (!is_seen(sphere, rules)) continue;
+    const double distance = std::max(0.0, glm::length(rules.eye - sphere.centre) - sphere.radius);
+    add(Patch{child, patch.from, patch.surface, std::max(distance, patch.distance_m)});
+  }
 }
 
 void add_split(const Patch& patch, const MeshRules& rules, std::vector<Patch>& out) {
-  const double chord = chord_deviation_m(patch.area, cells_log2_of(rules.tile_size));
-  if (chord * rules.pixels_per_radian <= rules.tolerance_px * patch.distance_m ||
-      chord < kNegligibleChord_m || patch.area.level == kMaxLevel) {
+  if (cells_log2_for_eye(patch, rules) <= kBlockCellsLog2 || patch.area.level == kMaxLevel) {
     out.push_back(patch);
     return;
   }
-  for (int quadrant = 0; quadrant < 4; ++quadrant) {
-    const TileId child = child_of(patch.area, quadrant);
-    if (is_valid(child)) add_split(make_patch(child, patch.from, patch.surface, rules), rules, out);
-  }
+  for_each_part(patch, rules, [&](const Patch& part) { add_split(part, rules, out); });
 }
 
 /// The patches that a neighbour is too fine for.
@@ -93,13 +131,20 @@ Side SharedSegment::coarser_side() const {
   }
 }
 
-double chord_deviation_m(const TileId& area, int cells_log2) {
-  const GeoBounds bounds = tile_bounds(area);
-  const double degree = std::numbers::pi / 180;
-  const double nearest_equator = bounds.south > 0 ? bounds.south : bounds.north < 0 ? bounds.north : 0;
-  const double cosine = std::cos(nearest_equator * degree);
-  const double step = std::ldexp(degree, -area.level - cells_log2);
-  return kLargestRadius * step * step * (1 + cosine * cosine) / 8;
+int cells_log2_for_eye(const Patch& patch, const MeshRules& rules) {
+  const int finest = cells_log2_of(rules.tile_size);
+  const double allowed_m =
+      std::max(rules.tolerance_px * patch.distance_m / rules.pixels_per_radian, kNegligible_m);
+  const Relief* relief = patch.surface ? &patch.surface->relief_under(patch.area) : nullptr;
+  double deviation = chord_deviation_m(patch.area);
+  for (int cells_log2 = 0; cells_log2 < finest; ++cells_log2, deviation /= 4) {
+    if (!relief && deviation <= allowed_m) return cells_log2;
+    if (!relief) continue;
+    const int dropped = patch.surface->id.level + finest - patch.area.level - cells_log2;
+    const auto k = static_cast<std::size_t>(std::clamp(dropped, 0, kMaxCellsLog2));
+    if (deviation + static_cast<double>(relief->errors[k]) <= allowed_m) return cells_log2;
+  }
+  return finest;
 }
 
 std::vector<Patch> partition_areas(std::span<const MeshArea> areas, const MeshRules& rules) {
@@ -117,10 +162,7 @@ std::vector<Patch> partition_areas(std::span<const MeshArea> areas, const MeshRu
         finer.push_back(patches[i]);
         continue;
       }
-      for (int quadrant = 0; quadrant < 4; ++quadrant) {
-        const TileId child = child_of(patches[i].area, quadrant);
-        if (is_valid(child)) finer.push_back(make_patch(child, patches[i].from, patches[i].surface, rules));
-      }
+      for_each_part(patches[i], rules, [&](const Patch& part) { finer.push_back(part); });
     }
     patches = std::move(finer);
   }

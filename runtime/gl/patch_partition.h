@@ -30,18 +30,15 @@ struct Patch {
   double distance_m = 0;  ///< from the eye to the nearest point, or less
 };
 
-/// Chords this short are straight enough from anywhere.
-inline constexpr double kNegligibleChord_m = 0.01;
-
-/// The areas, split where the finest grid's chords are too long, and until neighbours differ by kMaxLevelStep
-/// at most.
+/// The areas, split until a grid of a block's size keeps the tolerance, and until neighbours differ by
+/// kMaxLevelStep at most; without the parts that rules.inward hides.
 std::vector<Patch> partition_areas(std::span<const MeshArea> areas, const MeshRules& rules);
 
 /// Every segment that two patches share, each once.
 std::vector<SharedSegment> shared_segments(std::span<const Patch> patches);
 
-/// How far, in metres, a grid's chords are from the ellipsoid where a side of the area has 2^cells_log2
-/// cells: R(δφ²+δλ²cos²φ)/8, the error of linear interpolation.
-double chord_deviation_m(const TileId& area, int cells_log2);
+/// log2 of the cells along a side that keep the tolerance: of the decimated heights' deviation plus that of
+/// the chords from the ellipsoid, R(δφ²+δλ²cos²φ)/8, the error of linear interpolation.
+int cells_log2_for_eye(const Patch& patch, const MeshRules& rules);
 
 }  // namespace cairn::gl

@@ -1,8 +1,9 @@
 #include "runtime/gl/renderer.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
+#include <cstddef>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -32,21 +33,32 @@ struct PatchRecord {
   std::uint32_t cells_east = 0;
   std::uint32_t cells_north = 0;
   std::uint32_t perimeter = 0;
+  std::uint32_t listed_sides = 0;
   std::int32_t height_layer = -1;
-  std::int32_t imagery_array = 0;
-  float height_base = 0;
-  float height_scale = 0;
+  std::int32_t height_base = 0;
+  std::int32_t height_shift = 0;
   float height_step = 0;
-  std::int32_t imagery_layer = 0;
+  std::int32_t imagery_array = 0;
   glm::vec2 height_origin{0};
   glm::vec2 imagery_origin{0};
+  std::int32_t imagery_layer = 0;
   float imagery_scale = 1;
   std::int32_t level = 0;
+  std::int32_t unused = 0;  // GLSL rounds the size up to a multiple of 8
 };
-static_assert(sizeof(PatchRecord) == 72);
+static_assert(sizeof(PatchRecord) == 80 && offsetof(PatchRecord, height_origin) == 48);
 static_assert(sizeof(PerimeterVertex) == 8);
 
-enum Location : GLint { kEye = 0, kClip = 1, kCells = 2, kEyeFloat = 3, kSun = 4, kEyeHeight = 5, kLook = 6 };
+enum Location : GLint {
+  kEye = 0,
+  kClip = 1,
+  kCells = 2,
+  kEyeFloat = 3,
+  kSun = 4,
+  kEyeHeight = 5,
+  kLook = 6,
+  kQuantum = 7
+};
 enum LookBits : GLuint { kLevelColours = 1, kFog = 2 };
 
 /// From metres relative to the eye, along the Earth's axes, to clip space; depth is near / distance: 1 at the
@@ -58,6 +70,17 @@ glm::dmat4 clip_from_eye(const CameraFrame& camera, const ViewState& view) {
   const glm::dmat4 rows{glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(0, 0, 0, kNear_m),
                         glm::dvec4(camera.forward, 0)};
   return glm::transpose(rows);
+}
+
+/// Normals of the planes through the eye and the picture's sides, and of the one that parts before from
+/// behind.
+std::vector<glm::dvec3> inward_normals(const CameraFrame& camera, const ViewState& view) {
+  const double top = std::tan(glm::radians(view.fov_y_deg) / 2);
+  const double side = top * view.viewport_width_px / view.viewport_height_px;
+  return {glm::normalize(camera.forward * side + camera.right),
+          glm::normalize(camera.forward * side - camera.right),
+          glm::normalize(camera.forward * top + camera.up), glm::normalize(camera.forward * top - camera.up),
+          camera.forward};
 }
 
 /// Rays from the eye through the corners of the picture, as a matrix on clip coordinates.
@@ -84,8 +107,8 @@ Window window_in(const TileId& tile, const TileId& area) {
 /// A tile of heights that has been uploaded.
 struct Surface {
   SurfaceTile tile;
-  float base_m = 0;
-  float scale_m = 0;
+  std::int32_t base = 0;
+  int shift = 0;
 };
 
 }  // namespace
@@ -127,7 +150,7 @@ struct Renderer::State {
   void show_imagery(const RenderTile& tile, const GridPatch& grid, PatchRecord& record);
   std::vector<PatchRecord> records_of(const MeshPlan& plan, std::span<const RenderTile* const> tiles);
   MeshPlan plan(std::span<const RenderTile* const> tiles, const ViewState& view, const FrameLook& look,
-                const glm::dvec3& eye);
+                const CameraFrame& camera);
   void set_uniforms(const CameraFrame& camera, const ViewState& view, const FrameLook& look);
   void draw_patches(const MeshPlan& plan, const std::vector<PatchRecord>& records);
   void draw_sky(const CameraFrame& camera, const ViewState& view, const FrameLook& look);
@@ -150,15 +173,15 @@ const Surface* Renderer::State::surface_of(const RenderTile& tile) {
   if (!tile.heights) return nullptr;
   const auto known = surfaces.find(tile.heights_id);
   if (known != surfaces.end() && heights.find(tile.heights_id)) return &known->second;
-  const HeightUpload upload = uploads.take(tile.heights_id, *tile.heights, quantum_m);
+  HeightUpload upload = uploads.take(tile.heights_id, *tile.heights, quantum_m);
   if (!heights.find(tile.heights_id)) {
     heights.add(tile.heights_id, upload);
     ++counts.uploads;
   }
-  Surface surface{{tile.heights_id, tile.heights, quantum_m}, upload.heights.base_m, upload.heights.scale_m};
-  surface.tile.low_m = upload.heights.base_m;
-  surface.tile.high_m = upload.heights.high_m;
-  surface.tile.errors = upload.errors;
+  const HeightTexels& texels = upload.heights;
+  Surface surface{{tile.heights_id, tile.heights, quantum_m, texels.shift == 0, std::move(upload.relief)},
+                  texels.base,
+                  texels.shift};
   return &surfaces.insert_or_assign(tile.heights_id, std::move(surface)).first->second;
 }
 
@@ -180,8 +203,8 @@ void Renderer::State::show_heights(const RenderTile& tile, const GridPatch& grid
   const Window window = window_in(tile.heights_id, grid.area);
   const double cells = tile_size - 1;
   record.height_layer = static_cast<std::int32_t>(*heights.find(tile.heights_id));
-  record.height_base = surface->base_m;
-  record.height_scale = surface->scale_m;
+  record.height_base = surface->base;
+  record.height_shift = surface->shift;
   record.height_step = static_cast<float>(window.scale * cells / grid.cells());
   record.height_origin = glm::vec2(window.x * cells, window.y * cells);
 }
@@ -215,6 +238,7 @@ std::vector<PatchRecord> Renderer::State::records_of(const MeshPlan& plan,
     record.cells_east = static_cast<std::uint32_t>(grid.cells_east);
     record.cells_north = static_cast<std::uint32_t>(grid.cells_north);
     record.perimeter = static_cast<std::uint32_t>(grid.perimeter);
+    record.listed_sides = grid.listed_sides;
     record.level = grid.area.level;
     show_heights(*tiles[grid.from], grid, record);
     show_imagery(*tiles[grid.from], grid, record);
@@ -224,7 +248,7 @@ std::vector<PatchRecord> Renderer::State::records_of(const MeshPlan& plan,
 }
 
 MeshPlan Renderer::State::plan(std::span<const RenderTile* const> tiles, const ViewState& view,
-                               const FrameLook& look, const glm::dvec3& eye) {
+                               const FrameLook& look, const CameraFrame& camera) {
   std::vector<MeshArea> areas;
   for (const RenderTile* tile : tiles) {
     const Surface* surface = surface_of(*tile);
@@ -234,7 +258,8 @@ MeshPlan Renderer::State::plan(std::span<const RenderTile* const> tiles, const V
   rules.tile_size = tile_size;
   rules.pixels_per_radian = 1 / pixel_footprint_m(view, 1);
   rules.tolerance_px = look.tolerance_px;
-  rules.eye = eye;
+  rules.eye = camera.position;
+  rules.inward = inward_normals(camera, view);
   return plan_mesh(areas, rules);
 }
 
@@ -244,6 +269,7 @@ void Renderer::State::set_uniforms(const CameraFrame& camera, const ViewState& v
   glProgramUniform3d(program, kEye, camera.position.x, camera.position.y, camera.position.z);
   glProgramUniformMatrix4fv(program, kClip, 1, GL_FALSE, glm::value_ptr(clip));
   glProgramUniform1ui(program, kCells, static_cast<GLuint>(cells_log2_of(tile_size)));
+  glProgramUniform1f(program, kQuantum, static_cast<float>(quantum_m));
   glProgramUniform1f(program, kEyeHeight, static_cast<float>(view.height_m));
   glProgramUniform1ui(program, kLook, (look.level_colours ? kLevelColours : 0u) | (look.fog ? kFog : 0u));
   for (const GLuint each : {program, sky.name()}) {
@@ -261,7 +287,9 @@ void Renderer::State::draw_patches(const MeshPlan& plan, const std::vector<Patch
   for (const auto& group : by_grid) order.insert(order.end(), group.begin(), group.end());
 
   const auto fill = [](const Buffer& buffer, const auto& values) {
-    glNamedBufferData(buffer.name(), static_cast<GLsizeiptr>(values.size() * sizeof values[0]), values.data(),
+    const std::size_t bytes =
+        std::max<std::size_t>(values.size(), 1) * sizeof values[0];  // none cannot be bound
+    glNamedBufferData(buffer.name(), static_cast<GLsizeiptr>(bytes), values.empty() ? nullptr : values.data(),
                       GL_STREAM_DRAW);
   };
   fill(patch_buffer, records);
@@ -336,7 +364,7 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
   }
   // 2. The grids, and what they show.
   const CameraFrame camera = camera_frame(view);
-  const MeshPlan plan = s.plan(tiles, view, look, camera.position);
+  const MeshPlan plan = s.plan(tiles, view, look, camera);
   const std::vector<PatchRecord> records = s.records_of(plan, tiles);
   // 3. Draw: terrain, then the sky where nothing is.
   s.set_uniforms(camera, view, look);

@@ -8,18 +8,25 @@
 namespace cairn::gl {
 namespace {
 
+/// A square of samples, both edges included.
+struct Square {
+  int column = 0;
+  int row = 0;
+  int cells = 0;
+};
+
 /// The largest deviation of samples at odd multiples of `step` from the triangles through the even ones.
-double deviation_of_step(const HeightTile& tile, int step) {
+double deviation_of_step(const HeightTile& tile, const Square& square, int step) {
   std::int64_t twice_worst = 0;
   const auto compare = [&](int c, int r, int dc, int dr) {
     const std::int64_t ends = static_cast<std::int64_t>(tile.at(c - dc, r - dr)) + tile.at(c + dc, r + dr);
     twice_worst = std::max(twice_worst, std::abs(ends - 2 * static_cast<std::int64_t>(tile.at(c, r))));
   };
-  for (int r = 0; r < tile.size; r += step) {
-    const bool odd_row = (r / step) % 2 == 1;
-    for (int c = odd_row ? 0 : step; c < tile.size; c += odd_row ? step : 2 * step) {
-      const bool odd_column = (c / step) % 2 == 1;
-      compare(c, r, odd_column ? step : 0, odd_row ? step : 0);
+  for (int j = 0; j <= square.cells; j += step) {
+    const bool odd_row = (j / step) % 2 == 1;
+    for (int i = odd_row ? 0 : step; i <= square.cells; i += odd_row ? step : 2 * step) {
+      const bool odd_column = (i / step) % 2 == 1;
+      compare(square.column + i, square.row + j, odd_column ? step : 0, odd_row ? step : 0);
     }
   }
   return static_cast<double>(twice_worst) / 2;
@@ -30,14 +37,35 @@ struct Range {
   std::int32_t high = std::numeric_limits<std::int32_t>::min();
 };
 
-Range range_of(const HeightTile& tile) {
+Range range_of(const HeightTile& tile, const Square& square) {
   Range range;
-  for (std::size_t i = 0; i < tile.samples.size(); ++i) {
-    if (!tile.voids.empty() && tile.voids[i] != 0) continue;
-    range.low = std::min(range.low, tile.samples[i]);
-    range.high = std::max(range.high, tile.samples[i]);
+  for (int r = square.row; r <= square.row + square.cells; ++r) {
+    for (int c = square.column; c <= square.column + square.cells; ++c) {
+      if (tile.is_void(c, r)) continue;
+      range.low = std::min(range.low, tile.at(c, r));
+      range.high = std::max(range.high, tile.at(c, r));
+    }
   }
   return range.low <= range.high ? range : Range{0, 0};
+}
+
+Relief relief_of_block(const HeightTile& tile, const Square& square, double quantum_m) {
+  const Range range = range_of(tile, square);
+  Relief relief{static_cast<float>(range.low * quantum_m), static_cast<float>(range.high * quantum_m), {}};
+  double sum = 0;
+  for (int k = 1; k <= kBlockCellsLog2; ++k) {
+    sum += deviation_of_step(tile, square, 1 << (k - 1)) * quantum_m;
+    relief.errors[static_cast<std::size_t>(k)] = static_cast<float>(sum);
+  }
+  return relief;
+}
+
+void include(Relief& whole, const Relief& part) {
+  whole.low_m = std::min(whole.low_m, part.low_m);
+  whole.high_m = std::max(whole.high_m, part.high_m);
+  for (std::size_t k = 0; k < part.errors.size(); ++k) {
+    whole.errors[k] = std::max(whole.errors[k], part.errors[k]);
+  }
 }
 
 }  // namespace
@@ -47,31 +75,46 @@ int cells_log2_of(int tile_size) {
   return tile_size == 513 ? 9 : 8;
 }
 
-DecimationErrors decimation_errors(const HeightTile& tile, double quantum_m) {
-  DecimationErrors errors{};
-  double sum = 0;
-  const int steps = cells_log2_of(tile.size);
-  for (int k = 1; k <= kMaxCellsLog2; ++k) {
-    if (k <= steps) sum += deviation_of_step(tile, 1 << (k - 1)) * quantum_m;
-    errors[static_cast<std::size_t>(k)] = static_cast<float>(sum);
+TileRelief relief_of(const HeightTile& tile, double quantum_m) {
+  TileRelief relief;
+  const int block = 1 << kBlockCellsLog2, cells = tile.size - 1;
+  for (int row = 0; row < cells; row += block) {
+    for (int column = 0; column < cells; column += block) {
+      relief.blocks.push_back(relief_of_block(tile, {column, row, block}, quantum_m));
+    }
   }
-  return errors;
+  relief.whole = relief.blocks.front();
+  for (const Relief& part : relief.blocks) include(relief.whole, part);
+  double sum = static_cast<double>(relief.whole.errors[kBlockCellsLog2]);
+  for (int k = kBlockCellsLog2 + 1; k <= kMaxCellsLog2; ++k) {
+    if (1 << k <= cells) sum += deviation_of_step(tile, {0, 0, cells}, 1 << (k - 1)) * quantum_m;
+    relief.whole.errors[static_cast<std::size_t>(k)] = static_cast<float>(sum);
+  }
+  return relief;
 }
 
-HeightTexels height_texels(const HeightTile& tile, double quantum_m) {
-  const Range range = range_of(tile);
+const Relief& SurfaceTile::relief_under(const TileId& area) const {
+  const int blocks_log2 = cells_log2_of(heights->size) - kBlockCellsLog2;
+  const int deeper = area.level - id.level;
+  if (deeper < blocks_log2) return relief.whole;
+  const auto block_of = [&](std::int32_t of_area, std::int32_t of_tile) {
+    const std::int64_t within = of_area - (static_cast<std::int64_t>(of_tile) << deeper);
+    return static_cast<std::size_t>(within >> (deeper - blocks_log2));
+  };
+  return relief.blocks[(block_of(area.y, id.y) << blocks_log2) + block_of(area.x, id.x)];
+}
+
+HeightTexels height_texels(const HeightTile& tile) {
+  const Range range = range_of(tile, {0, 0, tile.size - 1});
   const std::int64_t span = static_cast<std::int64_t>(range.high) - range.low;
-  int shift = 0;
-  while ((span >> shift) >= kVoidTexel) ++shift;
   HeightTexels out;
-  out.base_m = static_cast<float>(range.low * quantum_m);
-  out.scale_m = static_cast<float>(std::ldexp(quantum_m, shift));
-  out.high_m = static_cast<float>(range.high * quantum_m);
+  out.base = range.low;
+  while ((span >> out.shift) >= kVoidTexel) ++out.shift;
   out.texels.resize(tile.samples.size());
   for (std::size_t i = 0; i < tile.samples.size(); ++i) {
     const bool gone = !tile.voids.empty() && tile.voids[i] != 0;
     const std::int64_t above = static_cast<std::int64_t>(tile.samples[i]) - range.low;
-    out.texels[i] = gone ? kVoidTexel : static_cast<std::uint16_t>(above >> shift);
+    out.texels[i] = gone ? kVoidTexel : static_cast<std::uint16_t>(above >> out.shift);
   }
   return out;
 }
@@ -93,7 +136,9 @@ float height_at(const SurfaceTile& tile, const LatticePoint& point) {
   const double v = static_cast<double>(dy % spacing) / static_cast<double>(spacing);
   const auto metres = [&](int column, int row) {
     if (heights.is_void(column, row)) return std::numeric_limits<double>::quiet_NaN();
-    return heights.at(column, row) * tile.quantum_m;
+    // Rounded as terrain.vert rounds it, so that a vertex is the same from either.
+    return static_cast<double>(static_cast<float>(heights.at(column, row)) *
+                               static_cast<float>(tile.quantum_m));
   };
   const auto along = [&](int row) {
     const double west = metres(c, row);

@@ -21,18 +21,32 @@ int cells_log2_of(int tile_size);
 /// surface is that of triangles whose diagonals run from south-west to north-east. Entries beyond the tile's
 /// last step repeat it.
 using DecimationErrors = std::array<float, kMaxCellsLog2 + 1>;
-DecimationErrors decimation_errors(const HeightTile& tile, double quantum_m);
 
-/// Heights as a GPU stores them: metres = base_m + texel · scale_m. 65535 is a void.
-struct HeightTexels {
-  float base_m = 0;
-  float scale_m = 0;
-  float high_m = 0;                   ///< the highest; the lowest is base_m
-  std::vector<std::uint16_t> texels;  ///< as HeightTile::samples
+/// A block is 64×64 cells of a tile: the most that one grid draws, and what a grid is chosen for.
+inline constexpr int kBlockCellsLog2 = 6;
+
+/// What is known of a part of a tile before it is drawn.
+struct Relief {
+  float low_m = 0;  ///< no sample that is not void is outside these
+  float high_m = 0;
+  DecimationErrors errors{};
 };
 
-/// The scale is the pack's quantum, doubled until the tile's range fits: at 0.25 m a tile may span 16 km.
-HeightTexels height_texels(const HeightTile& tile, double quantum_m);
+/// Of a tile as a whole, and of each of its blocks.
+struct TileRelief {
+  Relief whole;
+  std::vector<Relief>
+      blocks;  ///< row-major from the south-west; no entry of their errors beyond k = 6 counts
+};
+TileRelief relief_of(const HeightTile& tile, double quantum_m);
+
+/// Heights as a GPU stores them: quanta = base + (texel << shift). 65535 is a void.
+struct HeightTexels {
+  std::int32_t base = 0;
+  int shift = 0;                      ///< 0 unless the tile spans more than 65534 quanta: 16 km at 0.25 m
+  std::vector<std::uint16_t> texels;  ///< as HeightTile::samples
+};
+HeightTexels height_texels(const HeightTile& tile);
 inline constexpr std::uint16_t kVoidTexel = 65535;
 
 /// What the renderer keeps of a tile of heights on the CPU.
@@ -40,9 +54,11 @@ struct SurfaceTile {
   TileId id;
   std::shared_ptr<const HeightTile> heights;
   double quantum_m = 0;
-  double low_m = 0;  ///< no sample is outside these
-  double high_m = 0;
-  DecimationErrors errors{};
+  bool exact_on_gpu = true;  ///< the texels give the heights of height_at(), to the last bit
+  TileRelief relief;
+
+  /// Of the block that holds the area, of the whole tile where that is larger. REQUIRES: the tile covers it.
+  const Relief& relief_under(const TileId& area) const;
 };
 
 /// A place on the grid of the finest lattice that there can be, in units of 2^-29 degree from 180°W and 90°S:
@@ -63,7 +79,8 @@ inline std::int64_t lattice_width(int level) {
 LatticePoint south_west_of(const TileId& id);
 
 /// The height in metres, bilinear between samples, in the same way from every tile that has them; NaN where a
-/// sample that it needs is void. REQUIRES: the point lies in the tile, edges included.
+/// sample that it needs is void. A sample is float(quanta)·float(quantum). REQUIRES: the point lies in the
+/// tile, edges included.
 float height_at(const SurfaceTile& tile, const LatticePoint& point);
 
 }  // namespace cairn::gl

@@ -1,5 +1,6 @@
 #include "runtime/gl/mesh_plan.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/geodesy.h"
+#include "runtime/gl/patch_partition.h"
 #include "tests/test_pack.h"
 
 namespace cairn::gl {
@@ -30,7 +32,7 @@ class Surfaces {
     if (!slot) {
       const auto heights = std::make_shared<const HeightTile>(surface_.tile(id));
       slot = std::make_unique<SurfaceTile>();
-      *slot = {id, heights, 0.25, 0, 2000, decimation_errors(*heights, 0.25)};
+      *slot = {id, heights, 0.25, true, relief_of(*heights, 0.25)};
     }
     return slot.get();
   }
@@ -89,13 +91,32 @@ Vertex vertex_of(const GridPatch& patch, const PerimeterVertex& v) {
   return {at, std::bit_cast<std::uint32_t>(v.height_m)};
 }
 
+/// What terrain.vert draws for vertex k of a side.
+Vertex drawn_vertex(const MeshPlan& plan, const GridPatch& patch, const SurfaceTile* surface, unsigned side,
+                    int k) {
+  const int last = side < 2 ? patch.cells_east : patch.cells_north;
+  if (patch.listed_sides >> side & 1) {
+    std::size_t entry = patch.perimeter;
+    for (unsigned s = 0; s < side; ++s) {
+      if (patch.listed_sides >> s & 1) entry += static_cast<std::size_t>(patch.cells()) + 1;
+    }
+    return vertex_of(patch, plan.perimeter[entry + static_cast<std::size_t>(k)]);
+  }
+  const int moved = std::min(k, last);
+  const int column = side < 2 ? moved : side == 2 ? 0 : patch.cells_east;
+  const int row = side >= 2 ? moved : side == 0 ? 0 : patch.cells_north;
+  const LatticePoint corner = south_west_of(patch.area);
+  const std::int64_t step = lattice_width(patch.area.level + patch.cells_log2);
+  const float height = height_at(*surface, {corner.x + column * step, corner.y + row * step});
+  return vertex_of(patch, {static_cast<std::uint16_t>(column), static_cast<std::uint16_t>(row), height});
+}
+
 /// Counts the edges of a patch's rim, without those along a pole.
-void add_rim(const MeshPlan& plan, const GridPatch& patch, EdgeCount& edges) {
-  const auto side = static_cast<std::size_t>(patch.cells()) + 1;
-  for (std::size_t s = 0; s < 4; ++s) {
-    for (std::size_t k = 0; k + 1 < side; ++k) {
-      const auto* v = &plan.perimeter[patch.perimeter + s * side + k];
-      Vertex a = vertex_of(patch, v[0]), b = vertex_of(patch, v[1]);
+void add_rim(const MeshPlan& plan, const GridPatch& patch, const SurfaceTile* surface, EdgeCount& edges) {
+  for (unsigned side = 0; side < 4; ++side) {
+    for (int k = 0; k < patch.cells(); ++k) {
+      Vertex a = drawn_vertex(plan, patch, surface, side, k),
+             b = drawn_vertex(plan, patch, surface, side, k + 1);
       if (a == b) continue;
       const bool pole = a.at.y == b.at.y && (a.at.y == 0 || a.at.y == kLatticePoleToPole);
       if (pole) continue;
@@ -125,7 +146,7 @@ TEST_CASE("every edge of every grid's rim is an edge of one other grid's rim, to
       const MeshPlan plan = plan_mesh(areas, rules);
       REQUIRE(plan.patches.size() >= areas.size());
       EdgeCount edges;
-      for (const GridPatch& patch : plan.patches) add_rim(plan, patch, edges);
+      for (const GridPatch& patch : plan.patches) add_rim(plan, patch, areas[patch.from].surface, edges);
       int unmatched = 0;
       for (const auto& [edge, count] : edges) unmatched += count != 2;
       CHECK(unmatched == 0);
@@ -134,31 +155,53 @@ TEST_CASE("every edge of every grid's rim is an edge of one other grid's rim, to
   }
 }
 
-TEST_CASE("a grid is as coarse as the tolerance allows, and no coarser") {
+TEST_CASE("grids keep the tolerance, have a block's cells at most, and get coarser with distance") {
   Surfaces surfaces;
   const TileId id = tile_at({10.3, 45.7}, 3);
   const SurfaceTile* surface = surfaces.get(id);
-  int previous = 9;
-  for (const double distance : {0.0, 1000.0, 30000.0, 1e6, 1e8}) {
-    const std::vector<MeshArea> areas = {{id, surface, distance}};
+  std::size_t previous = std::numeric_limits<std::size_t>::max();
+  for (const double height : {1500.0, 20000.0, 300000.0, 5e6, 1e9}) {
     MeshRules rules;
     rules.tile_size = 257;
-    rules.eye = to_geocentric({10.3, 45.7}, 5000);
-    const MeshPlan plan = plan_mesh(areas, rules);
-    REQUIRE(plan.patches.size() == 1);
-    const int cells_log2 = plan.patches[0].cells_log2;
-    CHECK(cells_log2 <= previous);
-    const auto error = static_cast<double>(surface->errors[static_cast<std::size_t>(8 - cells_log2)]);
-    if (cells_log2 < 8) CHECK(error * rules.pixels_per_radian <= distance);
-    previous = cells_log2;
+    rules.eye = to_geocentric({10.3, 45.7}, height);
+    const std::vector<MeshArea> areas = {{id, surface, std::max(0.0, height - 2000)}};
+    std::size_t cells = 0;
+    for (const Patch& patch : partition_areas(areas, rules)) {
+      const int cells_log2 = cells_log2_for_eye(patch, rules);
+      REQUIRE(cells_log2 <= kBlockCellsLog2);
+      const auto k = static_cast<std::size_t>(std::clamp(3 + 8 - patch.area.level - cells_log2, 0, 9));
+      const auto error = static_cast<double>(surface->relief_under(patch.area).errors[k]);
+      CHECK(error * rules.pixels_per_radian <= std::max(patch.distance_m, 0.01 * rules.pixels_per_radian));
+      cells += std::size_t{1} << (2 * cells_log2);
+    }
+    CHECK(cells <= previous);
+    CHECK(cells <= 256 * 256);
+    previous = cells;
   }
-  CHECK(previous == 0);
+  CHECK(previous == 1);
+}
+
+TEST_CASE("parts behind the picture's planes are left out, those before it are not") {
+  Surfaces surfaces;
+  const TileId id = tile_at({10.3, 45.7}, 3);
+  MeshRules rules;
+  rules.tile_size = 257;
+  rules.eye = to_geocentric({10.31, 45.7}, 1500);
+  const std::vector<MeshArea> areas = {{id, surfaces.get(id), 0}};
+  const std::size_t all = partition_areas(areas, rules).size();
+  rules.inward = {local_frame({10.31, 45.7}).north};
+  const std::size_t northern = partition_areas(areas, rules).size();
+  rules.inward = {-rules.inward[0]};
+  const std::size_t southern = partition_areas(areas, rules).size();
+  CHECK(northern < all);
+  CHECK(southern < all);
+  CHECK(northern + southern >= all);
 }
 
 TEST_CASE("decimation errors bound the distance to the decimated surface, and are exact for one step") {
   Surfaces surfaces;
   const HeightTile& tile = *surfaces.get(tile_at({-70.5, -33.1}, 4))->heights;
-  const DecimationErrors errors = decimation_errors(tile, 0.25);
+  const DecimationErrors errors = relief_of(tile, 0.25).whole.errors;
   CHECK(errors[0] == 0);
   for (int k = 1; k <= 8; ++k) {
     const int step = 1 << k;

@@ -1,22 +1,24 @@
 #version 450 core
 
 struct Patch {
-  uint column_table;
+  uint column_table;  // of the first entry
   uint row_table;
   uint cells_log2;
   uint cells_east;
   uint cells_north;
-  uint perimeter;
-  int height_layer;
-  int imagery_array;
-  float height_base;
-  float height_scale;
-  float height_step;
+  uint perimeter;     // of the first entry
+  uint listed_sides;  // bits: 1 south, 2 north, 4 west, 8 east
+  int height_layer;   // < 0: none, all heights are 0
+  int height_base;    // quanta
+  int height_shift;
+  float height_step;    // samples of the source a cell
+  int imagery_array;    // 0: none; 1 BC1, 2 BC3, 3 BC7
+  vec2 height_origin;   // the source's sample at the patch's south-west corner
+  vec2 imagery_origin;  // 0…1 in the source, from its south-west corner
   int imagery_layer;
-  vec2 height_origin;
-  vec2 imagery_origin;
   float imagery_scale;
   int level;
+  int unused;
 };
 layout(std430, binding = 0) readonly buffer Patches { Patch patches[]; };
 
@@ -27,6 +29,7 @@ layout(binding = 3) uniform sampler2DArray bc3;
 layout(binding = 4) uniform sampler2DArray bc7;
 
 layout(location = 2) uniform uint tile_cells_log2;
+layout(location = 7) uniform float quantum;
 layout(location = 3) uniform vec3 eye_geocentric;
 layout(location = 4) uniform vec3 to_sun;
 layout(location = 5) uniform float eye_height;
@@ -70,7 +73,7 @@ float tile_height(Patch p) {
   float cells = exp2(float(tile_cells_log2));
   vec2 place = (place_in_heights(p) * cells + 0.5) / (cells + 1.0);
   float texel = textureLod(height_texels, vec3(place, float(p.height_layer)), 0.0).r * 65535.0;
-  return p.height_base + texel * p.height_scale;
+  return (float(p.height_base) + texel * exp2(float(p.height_shift))) * quantum;
 }
 
 const vec3 kNoData = vec3(0.09, 0.10, 0.11);

@@ -7,16 +7,18 @@ struct Patch {
   uint cells_east;
   uint cells_north;
   uint perimeter;     // of the first entry
+  uint listed_sides;  // bits: 1 south, 2 north, 4 west, 8 east
   int height_layer;   // < 0: none, all heights are 0
-  int imagery_array;  // 0: none; 1 BC1, 2 BC3, 3 BC7
-  float height_base;
-  float height_scale;
-  float height_step;  // samples of the source a cell
-  int imagery_layer;
-  vec2 height_origin;  // the source's sample at the patch's south-west corner
+  int height_base;    // quanta
+  int height_shift;
+  float height_step;    // samples of the source a cell
+  int imagery_array;    // 0: none; 1 BC1, 2 BC3, 3 BC7
+  vec2 height_origin;   // the source's sample at the patch's south-west corner
   vec2 imagery_origin;  // 0…1 in the source, from its south-west corner
+  int imagery_layer;
   float imagery_scale;
   int level;
+  int unused;
 };
 struct PerimeterVertex {
   uint column_row;  // 16 bits each
@@ -32,6 +34,7 @@ layout(binding = 0) uniform sampler2DArray height_texels;
 layout(location = 0) uniform dvec3 eye;
 layout(location = 1) uniform mat4 clip_from_eye;
 layout(location = 2) uniform uint tile_cells_log2;
+layout(location = 7) uniform float quantum;
 
 layout(location = 0) in uint patch_index;
 
@@ -53,6 +56,12 @@ uint texel(Patch p, ivec2 at) {
   return uint(round(texelFetch(height_texels, place, 0).r * 65535.0));
 }
 
+// Rounded as gl::height_at() rounds it.
+float metres(Patch p, uint texel) {
+  precise float height = float(p.height_base + (int(texel) << p.height_shift)) * quantum;
+  return height;
+}
+
 // NaN for a void would not survive every driver: the flag is apart.
 float sampled_height(Patch p, uvec2 vertex, out bool is_void) {
   is_void = false;
@@ -63,20 +72,23 @@ float sampled_height(Patch p, uvec2 vertex, out bool is_void) {
   uint sw = texel(p, low);
   if (part == vec2(0)) {
     is_void = sw == kVoidTexel;
-    return p.height_base + float(sw) * p.height_scale;
+    return metres(p, sw);
   }
   uint se = texel(p, low + ivec2(1, 0)), nw = texel(p, low + ivec2(0, 1)), ne = texel(p, low + ivec2(1, 1));
   is_void = max(max(sw, se), max(nw, ne)) == kVoidTexel;
-  float mixed = mix(mix(float(sw), float(se), part.x), mix(float(nw), float(ne), part.x), part.y);
-  return p.height_base + mixed * p.height_scale;
+  return mix(mix(metres(p, sw), metres(p, se), part.x), mix(metres(p, nw), metres(p, ne), part.x), part.y);
 }
 
-uint perimeter_index(uvec2 v, Patch p, uint cells) {
-  uint side = cells + 1u;
-  if (v.y == 0u) return v.x;
-  if (v.y == p.cells_north) return side + v.x;
-  if (v.x == 0u) return 2u * side + v.y;
-  return 3u * side + v.y;
+// The entry of a vertex on a listed side, -1 where it is on none.
+int listed_entry(uvec2 v, Patch p, uint cells) {
+  bool on_side[4] = bool[](v.y == 0u, v.y == p.cells_north, v.x == 0u, v.x == p.cells_east);
+  uint entry = p.perimeter;
+  for (uint side = 0u; side < 4u; ++side) {
+    if ((p.listed_sides >> side & 1u) == 0u) continue;
+    if (on_side[side]) return int(entry + (side < 2u ? v.x : v.y));
+    entry += cells + 1u;
+  }
+  return -1;
 }
 
 void main() {
@@ -86,8 +98,9 @@ void main() {
   v = min(v, uvec2(p.cells_east, p.cells_north));
   float h;
   bool is_void;
-  if (v.x == 0u || v.y == 0u || v.x == p.cells_east || v.y == p.cells_north) {
-    PerimeterVertex on_side = perimeter[p.perimeter + perimeter_index(v, p, cells)];
+  int entry_of_side = listed_entry(v, p, cells);
+  if (entry_of_side >= 0) {
+    PerimeterVertex on_side = perimeter[entry_of_side];
     v = uvec2(on_side.column_row & 65535u, on_side.column_row >> 16);
     h = on_side.height;
     is_void = isnan(h);
