@@ -18,7 +18,8 @@ constexpr std::array kExtensions = {".hgt",  ".gz",    ".zip", ".dt0", ".dt1", "
                                     ".jp2",  ".j2k",   ".vrt", ".asc", ".img", ".bil", ".flt",
                                     ".nc",   ".grd",   ".dem", ".bt"};
 
-bool has_known_extension(const fs::path& path) {
+bool is_raster_by_name(const fs::path& path) {
+  if (path.filename().string().starts_with('.')) return false;
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -42,7 +43,7 @@ Result<std::vector<fs::path>> expand(const std::string& argument) {
   const fs::path path(argument);
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
-    auto found = list_folder(path, has_known_extension);
+    auto found = list_folder(path, is_raster_by_name);
     if (found && found->empty()) return bad_data(argument + ": expected rasters in the folder, found none");
     return found;
   }

@@ -32,7 +32,7 @@ std::string output_of(const std::string& command) {
 }  // namespace
 
 std::optional<std::vector<double>> gdal_values(const std::filesystem::path& raster,
-                                               const std::vector<Post>& posts) {
+                                               const std::vector<Post>& posts, int band) {
   if (!has_gdal()) return std::nullopt;
   const TempDir folder;
   const auto list = folder.path() / "posts";
@@ -40,13 +40,34 @@ std::optional<std::vector<double>> gdal_values(const std::filesystem::path& rast
     std::ofstream out(list);
     for (const Post& p : posts) out << p.column << ' ' << p.row << '\n';
   }
-  std::istringstream lines(output_of("gdallocationinfo -b 1 -valonly '" + raster.string() + "' < '" +
-                                     list.string() + "' 2>/dev/null"));
+  std::istringstream lines(output_of("gdallocationinfo -b " + std::to_string(band) + " -valonly '" +
+                                     raster.string() + "' < '" + list.string() + "' 2>/dev/null"));
   std::vector<double> values;
   for (std::string line; std::getline(lines, line);)
     values.push_back(line.empty() ? std::numeric_limits<double>::quiet_NaN()
                                   : std::strtod(line.c_str(), nullptr));
   return values;
+}
+
+bool run_gdal(const std::string& command) {
+  return has_gdal() && std::system((command + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+std::optional<std::vector<double>> proj_transform(const std::string& from, const std::string& to,
+                                                  const std::vector<double>& xy) {
+  if (!has_gdal()) return std::nullopt;
+  const TempDir folder;
+  const auto list = folder.path() / "places";
+  {
+    std::ofstream out(list);
+    out.precision(17);
+    for (std::size_t i = 0; i < xy.size(); i += 2) out << xy[i] << ' ' << xy[i + 1] << '\n';
+  }
+  std::istringstream in(
+      output_of("gdaltransform -output_xy -s_srs " + from + " -t_srs " + to + " < '" + list.string() + "'"));
+  std::vector<double> out;
+  for (double v = 0; in >> v;) out.push_back(v);
+  return out;
 }
 
 std::optional<std::vector<double>> gdal_georeference(const std::filesystem::path& raster) {
