@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "builder/crs.h"
+#include "builder/printable.h"
 
 namespace cairn {
 namespace {
@@ -51,7 +52,7 @@ std::string crs_name(const GeoTiffTags& tags) {
   const int code = is_projected ? projected : geographic;
   const std::string epsg =
       code == 0 || code == kUserDefined ? "a user-defined CRS" : fmt::format("EPSG:{}", code);
-  return name.empty() ? epsg : fmt::format("{} ({})", epsg, name);
+  return name.empty() ? epsg : fmt::format("{} ({})", epsg, printable(name));
 }
 
 Error unknown_crs(const GeoTiffTags& tags, const std::filesystem::path& path) {
@@ -241,7 +242,7 @@ Result<HeightScale> height_scale_of(const GeoTiffTags& tags, const std::filesyst
                                 unit.empty()
                                     ? fmt::format("the vertical CRS EPSG:{}, unit EPSG:{}",
                                                   key(tags, kVerticalType), key(tags, kVerticalUnits))
-                                    : unit));
+                                    : printable(unit)));
   if (!std::isfinite(height.scale) || height.scale == 0 || !std::isfinite(height.offset))
     return bad_data(
         fmt::format("{}: heights: expected a scale above zero, found {}", path.string(), height.scale));

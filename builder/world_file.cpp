@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "builder/crs.h"
+#include "builder/printable.h"
 
 namespace cairn {
 namespace {
@@ -151,7 +152,7 @@ Status read_prj_beside(const fs::path& image, Georeference& g) {
   const std::string wkt = read_text(*prj);
   if (set_crs_of_wkt(g, wkt)) return {};
   return bad_data(fmt::format("{}: CRS: expected geographic WGS84 or NAD83, UTM or Web Mercator, found {}",
-                              prj->string(), name_of_wkt(wkt)));
+                              prj->string(), printable(name_of_wkt(wkt))));
 }
 
 Result<Georeference> place_beside(const fs::path& image, std::int64_t columns, std::int64_t rows,

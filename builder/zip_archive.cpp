@@ -7,6 +7,7 @@
 #include <zlib.h>
 
 #include "builder/inflate.h"
+#include "builder/printable.h"
 #include "format/bytes.h"
 
 namespace cairn {
@@ -83,7 +84,7 @@ Result<std::uint64_t> data_offset(const InputFile& file, const ZipEntry& entry) 
   const std::uint64_t at = std::uint64_t{entry.header_offset} + kLocalBytes + name_bytes + extra_bytes;
   if (mark != kLocalMark || at + entry.packed_bytes > file.size())
     return bad_data(fmt::format("{}: {}: expected the entry at byte {}, found something else",
-                                file.path().string(), entry.name, entry.header_offset));
+                                file.path().string(), printable(entry.name), entry.header_offset));
   return at;
 }
 
@@ -129,7 +130,7 @@ Result<std::vector<ZipEntry>> list_zip(const InputFile& file) {
 }
 
 Status unpack_zip_entry(const InputFile& file, const ZipEntry& entry, ScratchBytes& out) {
-  const std::string place = file.path().string() + ": " + entry.name;
+  const std::string place = file.path().string() + ": " + printable(entry.name);
   if ((entry.flags & kEncrypted) != 0)
     return bad_data(place + ": expected a plain entry, found an encrypted one");
   if (entry.method != 0 && entry.method != 8)

@@ -10,6 +10,7 @@
 #include "builder/chunk_cache.h"
 #include "builder/height_encoding.h"
 #include "builder/input_file.h"
+#include "builder/printable.h"
 #include "builder/raster_placement.h"
 #include "builder/raster_source.h"
 
@@ -70,7 +71,8 @@ std::uint64_t skip_labels(std::string_view bytes) {
 
 Result<Header> parse_header(const fs::path& path, std::string_view label, std::uint64_t offset) {
   const auto bad = [&](const char* what, std::string_view found) {
-    return bad_data(fmt::format("{}: header: expected {}, found \"{}\"", path.string(), what, found));
+    return bad_data(
+        fmt::format("{}: header: expected {}, found \"{}\"", path.string(), what, printable(found)));
   };
   if (!label.starts_with("UHL1")) return bad("UHL1", label.substr(0, 4));
   const auto west = angle(label.substr(4, 8), 180, 'W', 'E');

@@ -13,6 +13,7 @@
 #include "builder/height_encoding.h"
 #include "builder/inflate.h"
 #include "builder/input_file.h"
+#include "builder/printable.h"
 #include "builder/raster_placement.h"
 #include "builder/raster_source.h"
 #include "builder/scratch_bytes.h"
@@ -107,8 +108,8 @@ Result<Cell> agreed_cell(const fs::path& path, const Packing& packing) {
   const auto outer = cell_of(path);
   const auto inner = entry != nullptr ? cell_of(entry->name) : std::nullopt;
   if (outer && inner && !(*outer == *inner))
-    return bad_data(
-        fmt::format("{}: expected the archive's own cell, found {} in it", path.string(), entry->name));
+    return bad_data(fmt::format("{}: expected the archive's own cell, found {} in it", path.string(),
+                                printable(entry->name)));
   if (outer) return *outer;
   if (inner) return *inner;
   return bad_data(path.string() + ": name: expected a cell such as N36E028.hgt, found none that is on Earth");

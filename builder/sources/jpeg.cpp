@@ -70,9 +70,7 @@ class JpegReader {
     jpeg_create_decompress(&jpeg_);
     return true;
   }
-  void keep_complaint() {
-    (*errors_.format_message)(reinterpret_cast<j_common_ptr>(&jpeg_), complaint_);
-  }
+  void keep_complaint() { (*errors_.format_message)(reinterpret_cast<j_common_ptr>(&jpeg_), complaint_); }
   [[noreturn]] static void jump(j_common_ptr jpeg) {
     auto* reader = static_cast<JpegReader*>(jpeg->client_data);
     reader->keep_complaint();
