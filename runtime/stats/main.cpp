@@ -185,7 +185,9 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : static_cast<int>(cairn::ErrorCode::usage);
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::cerr << "cairn-stats: " << error.what() << "\n";
+    return static_cast<int>(cairn::ErrorCode::usage);
   }
   return cairn::run(options);
 }

@@ -23,14 +23,15 @@ std::vector<IndexEntry> stored_tiles(const PackReader& pack, std::size_t most) {
   return tiles;
 }
 
-Result<double> median_ms(TimedLoader& loader, std::span<const IndexEntry> tiles) {
+/// The shortest of a few runs: whatever else the machine does only lengthens them.
+Result<double> shortest_ms(TimedLoader& loader, std::span<const IndexEntry> tiles) {
   std::vector<double> runs;
   for (int run = 0; run < kRuns; ++run) {
     const Result<MoveLoad> load = loader.load(tiles);
     if (!load) return load.error();
     runs.push_back(load->latency_ms);
   }
-  return summarize(runs).p50;
+  return summarize(runs).min;
 }
 
 }  // namespace
@@ -114,9 +115,9 @@ Result<std::vector<LoadingTime>> time_loading(const std::shared_ptr<const PackRe
   std::vector<LoadingTime> times;
   for (std::size_t blocks = 1; blocks <= tiles.size(); ++blocks) {
     const std::span<const IndexEntry> some = std::span(tiles).first(blocks);
-    const Result<double> plain_ms = median_ms(plain, some);
+    const Result<double> plain_ms = shortest_ms(plain, some);
     if (!plain_ms) return plain_ms.error();
-    const Result<double> roughness_ms = median_ms(with_roughness, some);
+    const Result<double> roughness_ms = shortest_ms(with_roughness, some);
     if (!roughness_ms) return roughness_ms.error();
     times.push_back({blocks, *plain_ms, *roughness_ms});
   }

@@ -37,7 +37,7 @@ std::vector<Move> kept_inside(std::span<const Move> walk, const TileId& start, c
 Result<std::vector<MoveLoad>> load_walk(const CountSpec& spec, std::span<const Move> walk,
                                         const PackReader& pack, TimedLoader& loader);
 
-/// Loading 1…most blocks, [4, figure 8.2.1]: the median of five runs each, plainly and with the roughness
+/// Loading 1…most blocks, [4, figure 8.2.1]: the shortest of five runs each, plainly and with the roughness
 /// calculation of Röttger et al. that the thesis compares with.
 struct LoadingTime {
   std::size_t blocks = 0;
