@@ -7,12 +7,11 @@
 #include <tbb/task_arena.h>
 
 #include "builder/build_metadata.h"
-#include "builder/build_plan.h"
 #include "builder/fingerprint.h"
 #include "builder/height_layer.h"
+#include "builder/imagery_layer.h"
 #include "builder/layer_bake.h"
-#include "builder/memory_budget.h"
-#include "builder/mosaic.h"
+#include "builder/pack_layers.h"
 #include "builder/resume.h"
 #include "builder/trial.h"
 #include "format/pack_writer.h"
@@ -28,11 +27,11 @@ Status check_target(const BuildOptions& options) {
   return {};
 }
 
-PackHeader header_for(const BuildPlan& plan, const BuildOptions& options) {
+PackHeader header_for(const PackLayers& layers, const BuildOptions& options) {
   PackHeader header;
-  header.tile_size = static_cast<std::uint16_t>(plan.tile_size());
+  header.tile_size = static_cast<std::uint16_t>(options.tile_size);
   header.vertical_datum = options.geoid ? VerticalDatum::ellipsoid : options.datum;
-  header.quantum_m = plan.quantum_m();
+  if (layers.plan) header.quantum_m = layers.plan->quantum_m();
   return header;
 }
 
@@ -48,46 +47,62 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+Result<HeightSummary> bake_heights(const PackLayers& layers, const BuildOptions& options, int threads,
+                                   Work& work, const ProgressCallback& progress, BuildReport& report) {
+  if (!layers.heights) return HeightSummary{};
+  HeightLayer heights(*layers.heights, *layers.plan, options.voids);
+  const auto samples = bake_layer(heights, layers.plan->tree(), threads, work, progress);
+  if (!samples) return samples.error();
+  report.samples = *samples;
+  return heights.summary();
+}
+
+Status bake_imagery(const PackLayers& layers, const BuildOptions& options, int threads, Work& work,
+                    const ProgressCallback& progress, BuildReport& report) {
+  if (!layers.imagery) return {};
+  ImageryLayer imagery(*layers.imagery, options.imagery, options.tile_size - 1);
+  const auto texels = bake_layer(imagery, *layers.imagery_tree, threads, work, progress);
+  if (!texels) return texels.error();
+  report.texels = *texels;
+  return {};
+}
+
 Result<BuildReport> build_in_arena(const BuildOptions& options, int threads,
                                    const ProgressCallback& progress) {
   const auto start = std::chrono::steady_clock::now();
   if (auto status = check_target(options); !status) return status.error();
 
-  // 1. Ask every source what it is, and sort the sources into groups by their grids.
-  const MemoryBudget memory = divide_memory(options.memory_bytes, threads, options.tile_size);
-  auto mosaic = Mosaic::open(options, memory.cache_bytes);
-  if (!mosaic) return mosaic.error();
+  // 1. Ask every source what it is. Choose levels, promise and quantum; lay out the trees of tiles.
+  auto layers = plan_layers(options, threads);
+  if (!layers) return layers.error();
 
-  // 2. Choose levels, promise and quantum; lay out the tree of tiles.
-  auto plan = BuildPlan::make(**mosaic, options);
-  if (!plan) return plan.error();
-
-  // 3. Go on from an interrupted bake of the same inputs and options, or start anew.
+  // 2. Go on from an interrupted bake of the same inputs and options, or start anew.
   const auto hashes = hash_inputs(options);
   if (!hashes) return hashes.error();
-  auto work = begin_or_resume(options, header_for(*plan, options), *hashes);
+  auto work = begin_or_resume(options, header_for(*layers, options), *hashes);
   if (!work) return work.error();
 
-  // 4. Sample, measure, encode and write every tile, the finest first, each above its children.
-  HeightLayer heights(**mosaic, *plan, options.voids);
-  const auto samples = bake_layer(heights, plan->tree(), threads, *work, progress);
-  if (!samples) return discard(options, *work, samples.error());
+  // 3. Sample, measure, encode and write every tile of heights, the finest first, each above its children.
+  BuildReport report;
+  auto heights = bake_heights(*layers, options, threads, *work, progress, report);
+  if (!heights) return discard(options, *work, heights.error());
 
-  // 5. Hold the measured accuracy against the promise.
-  const Status promise = check_promise(heights.summary().accuracy, *plan);
+  // 4. Hold the measured accuracy against the promise.
+  const Status promise = layers->plan ? check_promise(heights->accuracy, *layers->plan) : Status();
   if (!promise && !options.allow_error) return discard(options, *work, promise.error());
 
+  // 5. The same for the tiles of imagery: resample, encode, measure, write.
+  if (auto status = bake_imagery(*layers, options, threads, *work, progress, report); !status)
+    return discard(options, *work, status.error());
+
   // 6. Write metadata, index and header; the target appears.
-  BuildReport report;
-  report.metadata_json =
-      describe_pack(**mosaic, *plan, options, heights.summary(), *hashes, work->writer.entries());
+  report.metadata_json = describe_pack(*layers, options, *heights, *hashes, work->writer.entries());
   if (auto status = work->writer.finish(report.metadata_json); !status)
     return discard(options, *work, status.error());
   remove_journal(options.target);
 
   report.promise_kept = promise.ok();
   if (!promise) report.warning = promise.error().message;
-  report.samples = *samples;
   std::error_code ignored;
   report.file_bytes = std::filesystem::file_size(options.target, ignored);
   report.resumed = work->resumed;
@@ -115,23 +130,22 @@ Result<BuildReport> build(const BuildOptions& options, const ProgressCallback& p
 
 Result<DryRun> dry_run(const BuildOptions& options) {
   return with_threads(options.threads, [&](int threads) -> Result<DryRun> {
-    const MemoryBudget memory = divide_memory(options.memory_bytes, threads, options.tile_size);
-    auto mosaic = Mosaic::open(options, memory.cache_bytes);
-    if (!mosaic) return mosaic.error();
-    auto plan = BuildPlan::make(**mosaic, options);
-    if (!plan) return plan.error();
-    DryRun dry{plan->tile_size(),
-               plan->top(),
-               plan->finest(),
-               plan->promise_m(),
-               plan->quantum_m(),
-               (*mosaic)->bounds(),
-               plan->tree().tiles_by_level(),
-               0,
-               0,
-               0,
-               options.memory_bytes};
-    if (auto status = estimate(**mosaic, *plan, options.voids, threads, dry); !status) return status.error();
+    const auto layers = plan_layers(options, threads);
+    if (!layers) return layers.error();
+    DryRun dry;
+    dry.tile_size = options.tile_size;
+    dry.bounds = layers->bounds();
+    dry.memory_bytes = options.memory_bytes;
+    if (layers->imagery) dry.texture_tiles = layers->imagery_tree->tiles_by_level();
+    if (!layers->heights) return dry;
+    const BuildPlan& plan = *layers->plan;
+    dry.top = plan.top();
+    dry.finest = plan.finest();
+    dry.promise_m = plan.promise_m();
+    dry.quantum_m = plan.quantum_m();
+    dry.tiles = plan.tree().tiles_by_level();
+    if (auto status = estimate(*layers->heights, plan, options.voids, threads, dry); !status)
+      return status.error();
     return dry;
   });
 }

@@ -19,11 +19,12 @@ struct DryRun {
   double promise_m = 0;
   double quantum_m = 0;
   GeoBounds bounds;
-  std::map<int, std::uint64_t> tiles;  ///< by level, before economy leaves any out
-  std::uint64_t samples = 0;           ///< of the finest tiles
-  std::uint64_t estimated_bytes = 0;   ///< of the pack, from a few tiles baked on trial
-  double estimated_seconds = 0;        ///< likewise
-  std::uint64_t memory_bytes = 0;      ///< what the bake will hold at most
+  std::map<int, std::uint64_t> tiles;          ///< by level, before economy leaves any out
+  std::map<int, std::uint64_t> texture_tiles;  ///< of the imagery layer, likewise
+  std::uint64_t samples = 0;                   ///< of the finest tiles of heights
+  std::uint64_t estimated_bytes = 0;           ///< of the pack, from a few tiles baked on trial
+  double estimated_seconds = 0;                ///< likewise
+  std::uint64_t memory_bytes = 0;              ///< what the bake will hold at most
 };
 
 /// What a bake did.
@@ -31,14 +32,15 @@ struct BuildReport {
   std::string metadata_json;  ///< as it is in the pack
   bool promise_kept = true;   ///< false only with BuildOptions::allow_error
   std::string warning;        ///< empty where all is well
-  std::uint64_t samples = 0;  ///< of the finest tiles
+  std::uint64_t samples = 0;  ///< of the finest tiles of heights
+  std::uint64_t texels = 0;   ///< of the finest tiles of imagery
   std::uint64_t file_bytes = 0;
   double seconds = 0;
   int threads = 0;
   bool resumed = false;
 };
 
-/// START HERE: from DEMs to a verified pack, in numbered steps.
+/// START HERE: from DEMs and images to a verified pack, in numbered steps.
 ///
 /// The same inputs and options give the same bytes, whatever the threads and the memory, also after an
 /// interruption that `options.resume` goes on from. The target appears when it is whole and its accuracy is

@@ -1,12 +1,14 @@
 #include "builder/build_metadata.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "builder/fingerprint.h"
+#include "builder/texture_tile_bake.h"
 
 namespace cairn {
 namespace {
@@ -39,20 +41,67 @@ Json levels_of(const std::vector<IndexEntry>& entries) {
   return levels;
 }
 
+Json source_of(const RasterInfo& info, std::uint64_t hash) {
+  return {{"name", info.path.filename().string()},
+          {"format", info.format},
+          {"columns", info.columns},
+          {"rows", info.rows},
+          {"bounds", json_of(info.bounds)},
+          {"xxh3", fmt::format("{:016x}", hash)}};
+}
+
+// `hashes` are those of all inputs, the DEMs' first.
 Json sources_of(const Mosaic& mosaic, const HeightSummary& heights,
                 const std::vector<std::uint64_t>& hashes) {
   Json sources = Json::array();
   for (std::size_t s = 0; s < mosaic.pool().size(); ++s) {
-    const RasterInfo& info = mosaic.pool().info(s);
-    sources.push_back({{"name", info.path.filename().string()},
-                       {"format", info.format},
-                       {"columns", info.columns},
-                       {"rows", info.rows},
-                       {"bounds", json_of(info.bounds)},
-                       {"xxh3", fmt::format("{:016x}", hashes[s])},
-                       {"posts_won", s < heights.posts_won.size() ? heights.posts_won[s] : 0}});
+    Json source = source_of(mosaic.pool().info(s), hashes[s]);
+    source["posts_won"] = s < heights.posts_won.size() ? heights.posts_won[s] : 0;
+    sources.push_back(std::move(source));
   }
   return sources;
+}
+
+// A level's PSNR is that of the mean squared error of its tiles.
+Json imagery_levels_of(const std::vector<IndexEntry>& entries) {
+  struct Level {
+    std::uint64_t tiles = 0;
+    double error = 0;
+  };
+  std::map<int, Level> levels;
+  for (const IndexEntry& e : entries) {
+    if (e.layer != Layer::imagery) continue;
+    ++levels[e.id.level].tiles;
+    if (e.max_quanta < kNoTextureError) levels[e.id.level].error += std::pow(10, -e.max_quanta / 10'000.0);
+  }
+  Json json = Json::array();
+  for (const auto& [number, level] : levels) {
+    const double worst = std::pow(10, -kNoTextureError / 10'000.0);
+    const double mean = std::max(worst, level.error / static_cast<double>(level.tiles));
+    json.push_back(
+        {{"level", number}, {"tiles", level.tiles}, {"psnr_db", std::round(-1e4 * std::log10(mean)) / 1e3}});
+  }
+  return json;
+}
+
+const char* name_of(TextureFormat format) {
+  return format == TextureFormat::bc1 ? "bc1" : format == TextureFormat::bc3 ? "bc3" : "bc7";
+}
+
+const char* name_of(TextureQuality quality) {
+  return quality == TextureQuality::fast ? "fast" : quality == TextureQuality::normal ? "normal" : "best";
+}
+
+Json imagery_of(const PackLayers& layers, const ImageryOptions& options,
+                const std::vector<std::uint64_t>& hashes, const std::vector<IndexEntry>& entries) {
+  const std::size_t first = layers.heights ? layers.heights->pool().size() : 0;
+  const SourcePool& pool = layers.imagery->pool();
+  Json sources = Json::array();
+  for (std::size_t s = 0; s < pool.size(); ++s) sources.push_back(source_of(pool.info(s), hashes[first + s]));
+  return {{"format", name_of(options.format)},        {"quality", name_of(options.quality)},
+          {"feather_pixels", options.feather_pixels}, {"top", layers.imagery_tree->top()},
+          {"finest", layers.imagery->finest_level()}, {"bounds", json_of(layers.imagery->bounds())},
+          {"levels", imagery_levels_of(entries)},     {"sources", sources}};
 }
 
 const char* name_of(ResampleMethod method) {
@@ -84,21 +133,26 @@ Json options_of(const BuildOptions& o) {
 
 }  // namespace
 
-std::string describe_pack(const Mosaic& mosaic, const BuildPlan& plan, const BuildOptions& options,
-                          const HeightSummary& heights, const std::vector<std::uint64_t>& input_hashes,
+std::string describe_pack(const PackLayers& layers, const BuildOptions& options, const HeightSummary& heights,
+                          const std::vector<std::uint64_t>& input_hashes,
                           const std::vector<IndexEntry>& entries) {
   Json meta;
   meta["cairn"] = CAIRN_VERSION;
-  meta["grid"] = {{"tile_size", plan.tile_size()},
-                  {"quantum_m", plan.quantum_m()},
-                  {"top", plan.top()},
-                  {"finest", plan.finest()}};
+  meta["grid"] = {{"tile_size", options.tile_size}};
+  if (layers.plan) {
+    meta["grid"]["quantum_m"] = layers.plan->quantum_m();
+    meta["grid"]["top"] = layers.plan->top();
+    meta["grid"]["finest"] = layers.plan->finest();
+  }
   meta["vertical_datum"] = to_string(options.geoid ? VerticalDatum::ellipsoid : options.datum);
-  meta["bounds"] = json_of(mosaic.bounds());
-  meta["promise_m"] = plan.promise_m();
-  meta["accuracy"] = json_of(heights.accuracy);
+  meta["bounds"] = json_of(layers.bounds());
+  if (layers.plan) {
+    meta["promise_m"] = layers.plan->promise_m();
+    meta["accuracy"] = json_of(heights.accuracy);
+  }
   meta["levels"] = levels_of(entries);
-  meta["sources"] = sources_of(mosaic, heights, input_hashes);
+  meta["sources"] = layers.heights ? sources_of(*layers.heights, heights, input_hashes) : Json::array();
+  if (layers.imagery) meta["imagery"] = imagery_of(layers, options.imagery, input_hashes, entries);
   meta["options"] = options_of(options);
   return meta.dump(1);
 }

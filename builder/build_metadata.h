@@ -5,17 +5,16 @@
 #include <vector>
 
 #include "builder/build_options.h"
-#include "builder/build_plan.h"
 #include "builder/height_layer.h"
-#include "builder/mosaic.h"
+#include "builder/pack_layers.h"
 #include "format/pack_layout.h"
 
 namespace cairn {
 
 /// The metadata of a pack: what it covers, what it promises, what was measured, where it comes from. JSON,
 /// the keys as docs/pack-format.md lists them. Nothing in it depends on the machine, the time or the folder.
-std::string describe_pack(const Mosaic& mosaic, const BuildPlan& plan, const BuildOptions& options,
-                          const HeightSummary& heights, const std::vector<std::uint64_t>& input_hashes,
+std::string describe_pack(const PackLayers& layers, const BuildOptions& options, const HeightSummary& heights,
+                          const std::vector<std::uint64_t>& input_hashes,
                           const std::vector<IndexEntry>& entries);
 
 }  // namespace cairn

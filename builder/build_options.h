@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "builder/imagery_options.h"
 #include "builder/resample.h"
 #include "format/geo.h"
 #include "format/pack_layout.h"
@@ -20,7 +21,8 @@ enum class VoidMode {
 /// What a bake is asked for. The defaults are the program's.
 struct BuildOptions {
   std::vector<std::filesystem::path>
-      inputs;  ///< in the order of the command line, folders and globs expanded
+      inputs;  ///< DEMs in the order of the command line, folders and globs expanded; empty: no heights
+  ImageryOptions imagery;
   std::filesystem::path target;
 
   int tile_size = 513;              ///< samples along a side: 513 or 257

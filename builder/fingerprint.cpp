@@ -59,6 +59,13 @@ std::string describe_options(const BuildOptions& o) {
     text +=
         fmt::format(" region={},{},{},{}", o.region->west, o.region->south, o.region->east, o.region->north);
   }
+  if (!o.imagery.inputs.empty()) {
+    text += fmt::format(" images={} format={} quality={} feather={}", o.imagery.inputs.size(),
+                        static_cast<int>(o.imagery.format), static_cast<int>(o.imagery.quality),
+                        o.imagery.feather_pixels);
+    if (const auto& b = o.imagery.bounds)
+      text += fmt::format(" bounds={},{},{},{}", b->west, b->south, b->east, b->north);
+  }
   return text;
 }
 

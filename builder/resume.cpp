@@ -35,6 +35,7 @@ std::vector<UnitRecord> whole_units(const std::filesystem::path& part_path, std:
 
 Result<std::vector<std::uint64_t>> hash_inputs(const BuildOptions& options) {
   std::vector<std::filesystem::path> paths = options.inputs;
+  paths.insert(paths.end(), options.imagery.inputs.begin(), options.imagery.inputs.end());
   if (options.geoid) paths.push_back(*options.geoid);
   return hash_files(paths);
 }

@@ -19,7 +19,7 @@ struct Work {
   bool resumed = false;
 };
 
-/// Hashes of all inputs, the geoid's last.
+/// Hashes of all inputs: DEMs, images, the geoid.
 Result<std::vector<std::uint64_t>> hash_inputs(const BuildOptions& options);
 
 /// With `options.resume`, and a journal of the same inputs and options beside the target: goes on after the

@@ -20,7 +20,9 @@ namespace {
 struct BakeArguments {
   std::vector<std::string> inputs;
   BuildOptions options;
+  std::vector<std::string> images;
   std::vector<double> region;
+  std::vector<double> image_bounds;
   std::string level = "auto";
   std::string report;
   std::string geoid;
@@ -29,15 +31,15 @@ struct BakeArguments {
   bool json = false;
 };
 
-Status use_region(const std::vector<double>& region, BuildOptions& options) {
-  if (region.empty()) return {};
-  const GeoBounds bounds{region[0], region[1], region[2], region[3]};
+Status use_bounds(const char* option, const std::vector<double>& numbers, std::optional<GeoBounds>& out) {
+  if (numbers.empty()) return {};
+  const GeoBounds bounds{numbers[0], numbers[1], numbers[2], numbers[3]};
   if (!(bounds.west < bounds.east && bounds.south < bounds.north && bounds.south >= -90 &&
         bounds.north <= 90 && bounds.west >= -360 && bounds.east <= 360)) {
     return usage_error(
-        fmt::format("--region: expected W<E and S<N in degrees, found {}", fmt::join(region, ",")));
+        fmt::format("{}: expected W<E and S<N in degrees, found {}", option, fmt::join(numbers, ",")));
   }
-  options.region = bounds;
+  out = bounds;
   return {};
 }
 
@@ -64,13 +66,20 @@ Status use_memory(std::size_t mebibytes, BuildOptions& options) {
 
 Result<BuildOptions> options_from(const BakeArguments& arguments) {
   BuildOptions options = arguments.options;
-  if (auto status = use_region(arguments.region, options); !status) return status.error();
+  if (auto status = use_bounds("--region", arguments.region, options.region); !status) return status.error();
+  if (auto status = use_bounds("--bounds", arguments.image_bounds, options.imagery.bounds); !status)
+    return status.error();
   if (auto status = use_level(arguments.level, options); !status) return status.error();
   if (auto status = use_memory(arguments.memory_mib, options); !status) return status.error();
   if (!arguments.geoid.empty()) options.geoid = arguments.geoid;
+  if (arguments.inputs.empty() && arguments.images.empty())
+    return usage_error("bake: expected DEMs, or images after --imagery, found neither");
   auto inputs = expand_inputs(arguments.inputs);
   if (!inputs) return inputs.error();
   options.inputs = std::move(*inputs);
+  auto images = expand_inputs(arguments.images);
+  if (!images) return images.error();
+  options.imagery.inputs = std::move(*images);
   return options;
 }
 
@@ -125,6 +134,29 @@ void add_datum_options(CLI::App& verb, BakeArguments& arguments) {
       ->check(CLI::ExistingFile);
 }
 
+void add_imagery_options(CLI::App& verb, BakeArguments& arguments) {
+  ImageryOptions& o = arguments.options.imagery;
+  const std::map<std::string, TextureFormat> formats{
+      {"bc1", TextureFormat::bc1}, {"bc3", TextureFormat::bc3}, {"bc7", TextureFormat::bc7}};
+  const std::map<std::string, TextureQuality> qualities{
+      {"fast", TextureQuality::fast}, {"normal", TextureQuality::normal}, {"best", TextureQuality::best}};
+  verb.add_option("--imagery", arguments.images,
+                  "image files, folders or glob patterns; finer ones lie on top, then earlier ones");
+  verb.add_option("--texture-format", o.format, "bc1 (bc3 where a tile is not opaque), bc3 or bc7")
+      ->transform(CLI::CheckedTransformer(formats, CLI::ignore_case))
+      ->default_str("bc1");
+  verb.add_option("--texture-quality", o.quality, "fast, normal or best")
+      ->transform(CLI::CheckedTransformer(qualities, CLI::ignore_case))
+      ->default_str("normal");
+  verb.add_option("--bounds", arguments.image_bounds,
+                  "W,S,E,N in degrees: where images lie that do not say it themselves")
+      ->delimiter(',')
+      ->expected(4);
+  verb.add_option("--feather", o.feather_pixels, "pixels over which an image's rim fades into those beneath")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+}
+
 void add_work_options(CLI::App& verb, BakeArguments& arguments) {
   BuildOptions& o = arguments.options;
   verb.add_option("--memory", arguments.memory_mib, "MiB that the program stays under")
@@ -142,10 +174,9 @@ void add_work_options(CLI::App& verb, BakeArguments& arguments) {
 void add_bake(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<BakeArguments>();
   BuildOptions& o = arguments->options;
-  CLI::App* verb = app.add_subcommand("bake", "Make a pack from DEMs");
+  CLI::App* verb = app.add_subcommand("bake", "Make a pack from DEMs and images");
   verb->add_option("dem", arguments->inputs,
-                   "DEM files, folders or glob patterns; finer ones win, then earlier ones")
-      ->required();
+                   "DEM files, folders or glob patterns; finer ones win, then earlier ones");
   verb->add_option("-o,--output", o.target, "the pack to make")->required();
   verb->add_option("--tile-size", o.tile_size, "samples along a tile's side")
       ->check(CLI::IsMember({257, 513}))
@@ -158,6 +189,7 @@ void add_bake(CLI::App& app, int& exit_code) {
       ->expected(4);
   add_accuracy_options(*verb, *arguments);
   add_datum_options(*verb, *arguments);
+  add_imagery_options(*verb, *arguments);
   add_work_options(*verb, *arguments);
   verb->callback([arguments, &exit_code] {
     const Status status = bake(*arguments);

@@ -24,7 +24,8 @@ Result<Json> report_json(const BuildReport& report, const BuildOptions& options)
   Json json = describe_pack_file(*pack, *metadata);
   json["seconds"] = report.seconds;
   json["samples"] = report.samples;
-  json["samples_per_second"] = static_cast<double>(report.samples) / report.seconds;
+  json["texels"] = report.texels;
+  json["samples_per_second"] = static_cast<double>(report.samples + report.texels) / report.seconds;
   json["peak_rss_mib"] = static_cast<double>(peak_resident_bytes()) / kMiB;
   json["threads"] = report.threads;
   json["resumed"] = report.resumed;
@@ -33,17 +34,30 @@ Result<Json> report_json(const BuildReport& report, const BuildOptions& options)
   return json;
 }
 
+void print_imagery(const Json& imagery) {
+  for (const Json& level : imagery["levels"]) {
+    fmt::print("level {:>3}: {:>7} textures, {:>3} constant, {:>10.2f} MiB, {:.2f} bits/texel, {:.2f} dB\n",
+               level["level"].get<int>(), level["tiles"].get<std::uint64_t>(),
+               level["constant_tiles"].get<std::uint64_t>(), level["bytes"].get<double>() / kMiB,
+               level["bits_per_sample"].get<double>(), level["psnr_db"].get<double>());
+  }
+}
+
 void print_table(const Json& r, const BuildOptions& options) {
   const Json& a = r["accuracy"];
-  fmt::print("{}: {:.2f} MiB, {} samples in {:.2f} s ({:.1f} M/s, {} threads, peak {:.0f} MiB)\n",
+  fmt::print("{}: {:.2f} MiB, {} samples, {} texels in {:.2f} s ({:.1f} M/s, {} threads, peak {:.0f} MiB)\n",
              options.target.string(), r["file_bytes"].get<double>() / kMiB, r["samples"].get<std::uint64_t>(),
-             r["seconds"].get<double>(), r["samples_per_second"].get<double>() / 1e6, r["threads"].get<int>(),
+             r["texels"].get<std::uint64_t>(), r["seconds"].get<double>(),
+             r["samples_per_second"].get<double>() / 1e6, r["threads"].get<int>(),
              r["peak_rss_mib"].get<double>());
-  fmt::print(
-      "accuracy at {} posts: max {:.4g} m (promised {:.4g}), rms {:.4g}, p50 {:.4g}, p95 {:.4g}, p99 "
-      "{:.4g}\n",
-      a["posts"].get<std::uint64_t>(), a["max_m"].get<double>(), r["promise_m"].get<double>(),
-      a["rms_m"].get<double>(), a["p50_m"].get<double>(), a["p95_m"].get<double>(), a["p99_m"].get<double>());
+  if (a.is_object()) {
+    fmt::print(
+        "accuracy at {} posts: max {:.4g} m (promised {:.4g}), rms {:.4g}, p50 {:.4g}, p95 {:.4g}, p99 "
+        "{:.4g}\n",
+        a["posts"].get<std::uint64_t>(), a["max_m"].get<double>(), r["promise_m"].get<double>(),
+        a["rms_m"].get<double>(), a["p50_m"].get<double>(), a["p95_m"].get<double>(),
+        a["p99_m"].get<double>());
+  }
   for (const Json& level : r["levels"]) {
     fmt::print(
         "level {:>3}: {:>7} tiles, {:>6} constant, {:>10.2f} MiB, {:.2f} bits/sample, error {:.4g} m\n",
@@ -51,6 +65,7 @@ void print_table(const Json& r, const BuildOptions& options) {
         level["constant_tiles"].get<std::uint64_t>(), level["bytes"].get<double>() / kMiB,
         level["bits_per_sample"].get<double>(), level["max_error_m"].get<double>());
   }
+  if (r.contains("imagery")) print_imagery(r["imagery"]);
 }
 
 }  // namespace
@@ -62,6 +77,10 @@ void print_dry_run(const DryRun& dry, bool json) {
   Json levels = Json::array();
   for (const auto& [level, tiles] : dry.tiles) levels.push_back({{"level", level}, {"tiles", tiles}});
   out["levels"] = levels;
+  Json textures = Json::array();
+  for (const auto& [level, tiles] : dry.texture_tiles)
+    textures.push_back({{"level", level}, {"tiles", tiles}});
+  out["imagery_levels"] = textures;
   out["estimated_bytes"] = dry.estimated_bytes;
   out["estimated_seconds"] = dry.estimated_seconds;
   out["memory_bytes"] = dry.memory_bytes;
@@ -70,6 +89,9 @@ void print_dry_run(const DryRun& dry, bool json) {
     return;
   }
   for (const auto& [level, tiles] : dry.tiles) fmt::print("level {:>3}: {:>8} tiles at most\n", level, tiles);
+  for (const auto& [level, tiles] : dry.texture_tiles)
+    fmt::print("level {:>3}: {:>8} textures at most\n", level, tiles);
+  if (dry.tiles.empty()) return;
   fmt::print(
       "{} samples, promise {:.4g} m in steps of {:.4g} m; about {:.1f} MiB, {:.0f} s, under {:.0f} MiB of "
       "memory\n",

@@ -38,6 +38,17 @@ void print_levels(const char* title, const Json& levels) {
   }
 }
 
+void print_imagery(const Json& imagery) {
+  fmt::print("imagery {}\n  {:>5} {:>9} {:>9} {:>14} {:>11} {:>12}\n", imagery["format"].dump(), "level",
+             "tiles", "constant", "bytes", "bits/texel", "PSNR dB");
+  for (const Json& level : imagery["levels"]) {
+    fmt::print("  {:>5} {:>9} {:>9} {:>14} {:>11.3f} {:>12.3f}\n", level["level"].get<int>(),
+               level["tiles"].get<std::uint64_t>(), level["constant_tiles"].get<std::uint64_t>(),
+               level["bytes"].get<std::uint64_t>(), level["bits_per_sample"].get<double>(),
+               number(level, "psnr_db"));
+  }
+}
+
 void print_accuracy(const Json& info) {
   const Json& a = info["accuracy"];
   if (!a.is_object()) return;
@@ -70,10 +81,12 @@ void print_text(const PackReader& pack, const Json& info) {
              header.quantum_m, to_string(header.vertical_datum));
   fmt::print("bounds         west {} south {} east {} north {}\n", number(b, "west"), number(b, "south"),
              number(b, "east"), number(b, "north"));
-  fmt::print("promise        every post within {} m\n", number(info, "promise_m"));
-  print_accuracy(info);
-  print_levels("heights", info["levels"]);
-  if (info.contains("imagery_levels")) print_levels("imagery", info["imagery_levels"]);
+  if (!info["levels"].empty()) {
+    fmt::print("promise        every post within {} m\n", number(info, "promise_m"));
+    print_accuracy(info);
+    print_levels("heights", info["levels"]);
+  }
+  if (info.contains("imagery")) print_imagery(info["imagery"]);
   print_sources(info["sources"]);
 }
 

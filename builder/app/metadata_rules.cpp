@@ -100,6 +100,25 @@ void check_levels(JsonRules& rules, const PackReader& pack) {
   }
 }
 
+void check_imagery(JsonRules& rules, const PackReader& pack) {
+  rules.at("/imagery/format", json::value_t::string);
+  rules.at("/imagery/sources", json::value_t::array);
+  const json* levels = rules.at("/imagery/levels", json::value_t::array);
+  if (levels == nullptr) return;
+  const auto expected = summarise_levels(pack, Layer::imagery);
+  if (levels->size() != expected.size()) {
+    rules.add(fmt::format("/imagery/levels: expected {} as the index has, found {}", expected.size(),
+                          levels->size()));
+    return;
+  }
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    rules.number_is(fmt::format("/imagery/levels/{}/level", i).c_str(), expected[i].level);
+    rules.number_is(fmt::format("/imagery/levels/{}/tiles", i).c_str(),
+                    static_cast<double>(expected[i].tiles));
+    rules.number(fmt::format("/imagery/levels/{}/psnr_db", i).c_str());
+  }
+}
+
 }  // namespace
 
 std::vector<Finding> check_metadata_json(const PackReader& pack) {
@@ -113,10 +132,13 @@ std::vector<Finding> check_metadata_json(const PackReader& pack) {
   rules.at("/cairn", json::value_t::string);
   rules.text_is("/vertical_datum", to_string(pack.header().vertical_datum));
   rules.number_is("/grid/tile_size", pack.header().tile_size);
-  rules.number_is("/grid/quantum_m", pack.header().quantum_m);
   check_bounds(rules);
-  check_accuracy(rules);
+  if (pack.levels(Layer::heights)) {
+    rules.number_is("/grid/quantum_m", pack.header().quantum_m);
+    check_accuracy(rules);
+  }
   check_levels(rules, pack);
+  if (pack.levels(Layer::imagery)) check_imagery(rules, pack);
   rules.at("/sources", json::value_t::array);
   rules.at("/options", json::value_t::object);
   return findings;

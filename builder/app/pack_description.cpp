@@ -1,5 +1,7 @@
 #include "builder/app/pack_description.h"
 
+#include <string>
+
 #include "builder/app/pack_metadata.h"
 
 namespace cairn {
@@ -26,6 +28,23 @@ Json levels_json(const PackReader& pack, Layer layer) {
   return levels;
 }
 
+// The index says what there is, the metadata what was measured.
+Json imagery_json(const PackReader& pack, const nlohmann::json& metadata) {
+  const auto measured = [&](const std::string& pointer) {
+    const nlohmann::json::json_pointer path("/imagery" + pointer);
+    return metadata.contains(path) ? metadata.at(path) : nlohmann::json();
+  };
+  Json levels = levels_json(pack, Layer::imagery);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    levels[i].erase("max_error_m");
+    levels[i]["psnr_db"] = measured("/levels/" + std::to_string(i) + "/psnr_db");
+  }
+  return {{"format", measured("/format")},
+          {"quality", measured("/quality")},
+          {"levels", levels},
+          {"sources", measured("/sources")}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json describe_pack_file(const PackReader& pack, const nlohmann::json& metadata) {
@@ -42,7 +61,7 @@ nlohmann::ordered_json describe_pack_file(const PackReader& pack, const nlohmann
   info["promise_m"] = of("promise_m");
   info["file_bytes"] = header.file_bytes();
   info["levels"] = levels_json(pack, Layer::heights);
-  if (pack.levels(Layer::imagery)) info["imagery_levels"] = levels_json(pack, Layer::imagery);
+  if (pack.levels(Layer::imagery)) info["imagery"] = imagery_json(pack, metadata);
   info["accuracy"] = of("accuracy");
   info["sources"] = of("sources");
   return info;

@@ -1,0 +1,90 @@
+#include "builder/imagery_layer.h"
+
+#include <algorithm>
+
+#include "builder/texture_tile_bake.h"
+
+namespace cairn {
+
+Result<BakedTexture> ImageryLayer::bake_leaf(const TileId& id) const {
+  const auto padded = mosaic_.sample(texels_of(id, size_, TileRim::kRim));
+  if (!padded) return padded.error();
+  BakedTexture baked;
+  baked.id = id;
+  baked.image = cropped(*padded, TileRim::kRim, TileRim::kRim, size_, size_);
+  if (is_empty(baked.image)) {
+    baked.image = {};
+    return baked;
+  }
+  baked.rim = TileRim::cut(*padded);
+  return baked;
+}
+
+BakedTexture ImageryLayer::open_parent(const TileId& id) const {
+  BakedTexture parent;
+  parent.id = id;
+  return parent;
+}
+
+void ImageryLayer::take(const BakedTexture& child, bool, BakedTexture& parent) const {
+  parent.has_stored = parent.has_stored || child.has_stored;
+  if (child.image.texels.empty()) return;
+  if (parent.image.texels.empty()) parent.image = LinearImage(size_, size_);
+  const LinearImage half = halved(child.image);
+  const int q = quadrant_of(child.id);
+  for (int r = 0; r < half.rows; ++r)
+    std::copy_n(half.row(r), half.columns,
+                parent.image.row((q & 2 ? 0 : half.rows) + r) + (q & 1) * half.columns);
+  parent.child_rims[static_cast<std::size_t>(q)] = child.rim;
+}
+
+void ImageryLayer::close_parent(BakedTexture& parent) const {
+  if (parent.image.texels.empty()) return;
+  std::array<const TileRim*, 4> rims{};
+  for (std::size_t q = 0; q < 4; ++q) rims[q] = &parent.child_rims[q];
+  parent.rim = TileRim::join(rims, size_);
+  parent.child_rims = {};
+}
+
+// A tile finer than all images that touch it serves its ancestors only: the runtime draws those.
+Result<std::optional<TileBlock>> ImageryLayer::settle(BakedTexture& tile) const {
+  const bool too_fine = mosaic_.native_level(tile.id).value_or(kMinLevel) < tile.id.level;
+  const bool is_bare = tile.image.texels.empty() || is_empty(tile.image);
+  if (too_fine || (is_bare && !tile.has_stored)) return std::optional<TileBlock>{};
+  tile.has_stored = true;
+  // Where the covered share is too small for a texel, the tile still leads to its descendants.
+  if (tile.image.texels.empty()) tile.image = LinearImage(size_, size_);
+  return std::optional<TileBlock>(encode_texture_tile(tile.id, tile.image, tile.rim, options_));
+}
+
+void ImageryLayer::append(const BakedTexture& tile, std::vector<std::byte>& out) const {
+  ByteWriter writer(out);
+  writer.write(std::int32_t{tile.id.level});
+  writer.write(tile.id.x);
+  writer.write(tile.id.y);
+  writer.write(static_cast<std::uint8_t>(tile.has_stored));
+  writer.write(static_cast<std::uint8_t>(!tile.image.texels.empty()));
+  writer.write(static_cast<std::uint8_t>(!tile.rim.is_empty()));
+  writer.append(std::as_bytes(std::span(tile.image.texels)));
+  tile.rim.append_to(out);
+}
+
+Result<BakedTexture> ImageryLayer::read(ByteReader& in) const {
+  BakedTexture tile;
+  tile.id.level = in.read<std::int32_t>();
+  tile.id.x = in.read<std::int32_t>();
+  tile.id.y = in.read<std::int32_t>();
+  tile.has_stored = in.read<std::uint8_t>() != 0;
+  const bool has_image = in.read<std::uint8_t>() != 0, has_rim = in.read<std::uint8_t>() != 0;
+  if (has_image) {
+    tile.image = LinearImage(size_, size_);
+    const auto bytes = in.take(tile.image.texels.size() * sizeof(LinearTexel));
+    if (in.ok())
+      std::copy_n(bytes.data(), bytes.size(), reinterpret_cast<std::byte*>(tile.image.texels.data()));
+  }
+  if (has_rim) tile.rim = TileRim::read_from(in, size_);
+  if (!in.ok() || !is_valid(tile.id)) return bad_data("journal: a finished subtree: expected more bytes");
+  return tile;
+}
+
+}  // namespace cairn

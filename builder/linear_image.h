@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace cairn {
+
+/// One texel in linear light: R, G, B times alpha, and alpha, in steps of 1/65535. So averages need no
+/// weights, and what is transparent never bleeds.
+using LinearTexel = std::array<std::uint16_t, 4>;
+
+/// An image of linear texels, rows from the north.
+struct LinearImage {
+  int columns = 0;
+  int rows = 0;
+  std::vector<LinearTexel> texels;
+
+  LinearImage() = default;
+  LinearImage(int columns_, int rows_)
+      : columns(columns_),
+        rows(rows_),
+        texels(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
+
+  const LinearTexel* row(int r) const {
+    return texels.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(columns);
+  }
+  LinearTexel* row(int r) {
+    return texels.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(columns);
+  }
+};
+
+/// The mean of two and of four texels, halves rounded up; the order does not matter.
+LinearTexel mean_of(const LinearTexel& a, const LinearTexel& b);
+LinearTexel mean_of(const LinearTexel& a, const LinearTexel& b, const LinearTexel& c, const LinearTexel& d);
+
+/// The image at half the size, each texel the mean of 2×2. REQUIRES: even numbers of columns and rows.
+LinearImage halved(const LinearImage& image);
+
+/// The rectangle from (column, row) on. REQUIRES: it lies in the image.
+LinearImage cropped(const LinearImage& image, int column, int row, int columns, int rows);
+
+/// Whether no texel has any coverage.
+bool is_empty(const LinearImage& image);
+
+/// R, G, B in sRGB and alpha, 4 bytes a texel, not premultiplied; transparent texels are black.
+std::vector<std::uint8_t> to_srgb(const LinearImage& image);
+
+}  // namespace cairn

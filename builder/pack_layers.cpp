@@ -1,0 +1,60 @@
+#include "builder/pack_layers.h"
+
+#include <algorithm>
+
+#include "builder/footprint.h"
+#include "builder/memory_budget.h"
+
+namespace cairn {
+namespace {
+
+// As coarse as the heights, so that the layers are drawn together from afar.
+int imagery_top(const PackLayers& layers, const BuildOptions& options) {
+  if (options.top) return std::min(*options.top, layers.imagery->finest_level());
+  const int own = layers.imagery->is_global() ? kMinLevel : std::min(0, layers.imagery->finest_level());
+  return layers.plan ? std::min(own, layers.plan->top()) : own;
+}
+
+TileTree imagery_tree(const PackLayers& layers, const BuildOptions& options) {
+  Footprint wanted;
+  if (options.region) wanted.add(*options.region);
+  const ImageryMosaic& imagery = *layers.imagery;
+  const bool everywhere = !options.region;
+  return TileTree(imagery_top(layers, options), [&imagery, wanted, everywhere](const TileId& id) {
+    return everywhere || wanted.overlaps(tile_bounds(id)) ? imagery.native_level(id) : std::nullopt;
+  });
+}
+
+}  // namespace
+
+GeoBounds PackLayers::bounds() const {
+  Footprint all;
+  if (heights) all.add(heights->bounds());
+  if (imagery) all.add(imagery->bounds());
+  return all.bounds();
+}
+
+Result<PackLayers> plan_layers(const BuildOptions& options, int threads) {
+  PackLayers layers;
+  std::size_t cache = divide_memory(options.memory_bytes, threads, options.tile_size).cache_bytes;
+  if (!options.inputs.empty() && !options.imagery.inputs.empty()) cache /= 2;
+  if (!options.inputs.empty()) {
+    auto mosaic = Mosaic::open(options, cache);
+    if (!mosaic) return mosaic.error();
+    layers.heights = std::move(*mosaic);
+    auto plan = BuildPlan::make(*layers.heights, options);
+    if (!plan) return plan.error();
+    layers.plan = std::move(*plan);
+  }
+  if (!options.imagery.inputs.empty()) {
+    auto mosaic = ImageryMosaic::open(options.imagery, options.tile_size - 1, cache);
+    if (!mosaic) return mosaic.error();
+    layers.imagery = std::move(*mosaic);
+    layers.imagery_tree = imagery_tree(layers, options);
+    if (!layers.heights && !layers.imagery_tree->wants({kMinLevel, 0, 0}))
+      return usage_error("--region: expected an area that the sources cover, found none");
+  }
+  return layers;
+}
+
+}  // namespace cairn
