@@ -2,6 +2,7 @@
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
 #include "builder/height_image.h"
+#include "builder/texture_file.h"
 #include "format/pack_reader.h"
 
 namespace cairn {
@@ -22,18 +24,30 @@ struct ExtractOptions {
   std::string pack;
   std::string tile;
   std::string output;
+  Layer layer = Layer::heights;
   bool json = false;
 };
 
-using Writer = Status (*)(const std::filesystem::path&, const HeightImage&);
+using HeightWriter = Status (*)(const std::filesystem::path&, const HeightImage&);
+using TextureWriter = Status (*)(const std::filesystem::path&, const TextureTile&);
 
-Writer writer_for(const std::filesystem::path& output) {
+std::string extension_of(const std::filesystem::path& output) {
   std::string extension = output.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+HeightWriter height_writer_for(const std::string& extension) {
   if (extension == ".tif" || extension == ".tiff") return write_height_tiff;
   if (extension == ".png") return write_height_png;
   if (extension == ".hgt") return write_height_hgt;
+  return nullptr;
+}
+
+TextureWriter texture_writer_for(const std::string& extension) {
+  if (extension == ".dds") return write_texture_dds;
+  if (extension == ".png") return write_texture_png;
   return nullptr;
 }
 
@@ -44,40 +58,47 @@ std::optional<TileId> parse_tile(const std::string& text) {
   return is_valid(id) ? std::optional(id) : std::nullopt;
 }
 
-Status extract(const PackReader& pack, const TileId& id, const std::string& output, Writer write) {
-  const auto entry = pack.find(Layer::heights, id);
+Status extract(const PackReader& pack, const TileId& id, const ExtractOptions& options) {
+  const auto entry = pack.find(options.layer, id);
   if (!entry) {
-    return failed(pack.path().string() + ": heights " + to_string(id) +
+    return failed(pack.path().string() + ": " + to_string(options.layer) + " " + to_string(id) +
                   ": expected a tile, the pack has none");
+  }
+  const std::string extension = extension_of(options.output);
+  if (options.layer == Layer::imagery) {
+    const Result<TextureTile> tile = read_texture_tile(pack, *entry);
+    return tile ? texture_writer_for(extension)(options.output, *tile) : Status(tile.error());
   }
   const Result<HeightTile> tile = pack.read_height_tile(*entry);
   if (!tile) return tile.error();
-  return write(output, image_of(*tile, id, pack.header()));
+  return height_writer_for(extension)(options.output, image_of(*tile, id, pack.header()));
 }
 
 int run_extract(const ExtractOptions& options) {
-  const Writer write = writer_for(options.output);
-  if (write == nullptr) {
-    return report_error(usage_error(options.output + ": expected a name that ends in .tif, .png or .hgt"));
+  const bool imagery = options.layer == Layer::imagery;
+  const std::string extension = extension_of(options.output);
+  if (imagery ? texture_writer_for(extension) == nullptr : height_writer_for(extension) == nullptr) {
+    return report_error(usage_error(options.output + ": expected a name that ends in " +
+                                    (imagery ? ".dds or .png" : ".tif, .png or .hgt")));
   }
   const std::optional<TileId> id = parse_tile(options.tile);
   if (!id) return report_error(usage_error("tile: expected L/X/Y of the grid, found " + options.tile));
   const Result<PackReader> pack = PackReader::open(options.pack);
   if (!pack) return report_error(pack.error());
-  if (const Status status = extract(*pack, *id, options.output, write); !status)
-    return report_error(status.error());
+  if (const Status status = extract(*pack, *id, options); !status) return report_error(status.error());
+  const int side = pack->header().tile_size - (imagery ? 1 : 0);
   const GeoBounds b = tile_bounds(*id);
   if (options.json) {
     const nlohmann::ordered_json report = {
         {"output", options.output},
         {"tile", to_string(*id)},
-        {"samples", pack->header().tile_size},
+        {"layer", to_string(options.layer)},
+        {"samples", side},
         {"bounds", {{"west", b.west}, {"south", b.south}, {"east", b.east}, {"north", b.north}}}};
     fmt::print("{}\n", report.dump(2));
   } else {
-    fmt::print("{}: {}x{} heights of tile {}, west {} south {} east {} north {}\n", options.output,
-               pack->header().tile_size, pack->header().tile_size, to_string(*id), b.west, b.south, b.east,
-               b.north);
+    fmt::print("{}: {}x{} {} of tile {}, west {} south {} east {} north {}\n", options.output, side, side,
+               to_string(options.layer), to_string(*id), b.west, b.south, b.east, b.north);
   }
   return 0;
 }
@@ -86,15 +107,19 @@ int run_extract(const ExtractOptions& options) {
 
 void add_extract(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ExtractOptions>();
-  CLI::App* verb =
-      app.add_subcommand("extract", "Write one tile's heights as a file that other programs read");
+  CLI::App* verb = app.add_subcommand("extract", "Write one tile as a file that other programs read");
   verb->add_option("PACK", options->pack, "The pack")->required();
   verb->add_option("TILE", options->tile, "L/X/Y")->required();
   verb->add_option(
           "-o,--output", options->output,
           "TILE.tif (GeoTIFF), TILE.png (16 bits, metres + 32768, void 0) or TILE.hgt (int16 metres, "
-          "void -32768); replaced where it exists")
+          "void -32768); of imagery TILE.dds (as it is stored, with mips) or TILE.png; replaced where it "
+          "exists")
       ->required();
+  const std::map<std::string, Layer> layers{{"heights", Layer::heights}, {"imagery", Layer::imagery}};
+  verb->add_option("--layer", options->layer, "heights or imagery")
+      ->transform(CLI::CheckedTransformer(layers, CLI::ignore_case))
+      ->default_str("heights");
   verb->add_flag("--json", options->json, "Print JSON");
   verb->callback([options, &exit_code] { exit_code = run_extract(*options); });
 }
