@@ -324,12 +324,9 @@ CAIRN_INLINE I pack_565(const I stored[3]) {
 
 /// The mode of four colours: ends descend. Positions 0 1 2 3 are indices 0 2 3 1.
 CAIRN_INLINE Code four_colour_code(const Candidate& best) {
-  I indices{};
-  for (int i = 0; i < 16; ++i) {
-    const I position = truncate(best.position[i]);
-    const I index = position + (((position == 1) | (position == 2)) & 1) - ((position == 3) & 2);
-    indices |= index << (2 * i);
-  }
+  I positions{};
+  for (int i = 0; i < 16; ++i) positions |= truncate(best.position[i]) << (2 * i);
+  I indices = ((positions ^ positions << 1) & ~0x55555555) | (positions >> 1 & 0x55555555);
   const I a = pack_565(best.ends.stored[0]), b = pack_565(best.ends.stored[1]);
   indices = (indices ^ ((a < b) & 0x55555555)) & ~(a == b);
   return {max(a, b) | min(a, b) << 16, indices};

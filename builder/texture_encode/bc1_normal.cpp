@@ -12,8 +12,9 @@ void encode_bc1_normal(const std::uint8_t* texels, std::ptrdiff_t stride, std::b
     Candidate best = nearest_positions<Errors::quick>(colours, extent_ends(colours, axis));
     refine<Errors::quick>(colours, best);
     refine<Errors::quick>(colours, best);
-    keep_better(one_colour(colours), best);
-    write_blocks(four_colour_code(best), out + block * out_stride, out_stride);
+    const Candidate flat = one_colour(colours);
+    write_blocks(select(flat.error < best.error, four_colour_code(flat), four_colour_code(best)),
+                 out + block * out_stride, out_stride);
   }
 }
 

@@ -247,8 +247,14 @@ CAIRN_INLINE SubsetFit fit_subset(const Pixels& pixels, const I member[16], I od
   return fit;
 }
 
+using Mode0Fit = Fit<3, 4, PBits::each_end, 3>;
 using Mode1Fit = Fit<3, 6, PBits::shared, 3>;
 using Mode3Fit = Fit<2, 7, PBits::each_end, 3>;
+using Mode2Fit = Fit<2, 5, PBits::none, 3>;
+using Mode4Colour = Fit<2, 5, PBits::none, 3>;
+using Mode4Scalar = Fit<3, 6, PBits::none, 1>;
+using Mode5Colour = Fit<2, 7, PBits::none, 3>;
+using Mode5Scalar = Fit<2, 8, PBits::none, 1>;
 using Mode6Fit = Fit<4, 7, PBits::each_end, 4>;
 
 }  // namespace cairn::CAIRN_ISA

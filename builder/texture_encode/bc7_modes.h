@@ -68,21 +68,53 @@ CAIRN_INLINE Bc7Candidate fit_one_colour(const Pixels& pixels) {
   return found;
 }
 
-/// A mode of two subsets without alpha. Where the block is not opaque its error is infinite.
-template <class SubsetFit>
-CAIRN_INLINE Bc7Candidate fit_two_subsets(const Pixels& pixels, int mode, I partition, int rounds) {
+/// A mode of two or three subsets, without alpha. Where the block is not opaque its error is infinite.
+template <class SubsetFit, int kSubsets>
+CAIRN_INLINE Bc7Candidate fit_subsets(const Pixels& pixels, int mode, I partition, int rounds) {
+  constexpr int kBits = kSubsets - 1;  // of a texel in the partition's pattern
   I pattern;
-  for (int lane = 0; lane < kLanes; ++lane) pattern[lane] = bptc::kPartitions2.data()[partition[lane]];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    pattern[lane] = kSubsets == 2 ? bptc::kPartitions2.data()[partition[lane]]
+                                  : static_cast<std::int32_t>(bptc::kPartitions3.data()[partition[lane]]);
+  }
   Bc7Candidate found{};
   found.mode = splat(mode);
   found.partition = partition;
-  for (int subset = 0; subset < 2; ++subset) {
+  for (int subset = 0; subset < kSubsets; ++subset) {
     I member[16];
-    for (int i = 0; i < 16; ++i) member[i] = (pattern >> i & 1) == subset;
+    for (int i = 0; i < 16; ++i) member[i] = (pattern >> (kBits * i) & ((1 << kBits) - 1)) == subset;
     add_subset(fit_subset<SubsetFit, 3>(pixels, member, splat(0), rounds), subset, found);
   }
   found.error = select(pixels.opaque, found.error, splat(1e30F));
   return found;
+}
+
+/// Modes 4 and 5: one channel, or alpha where `rotation` is 0, on a line of its own.
+template <class ColourFit, class ScalarFit>
+CAIRN_INLINE Bc7Candidate fit_separate_channel(const Pixels& pixels, int mode, int rotation, int rounds) {
+  Pixels colour = pixels, scalar;
+  const int apart = rotation == 0 ? 3 : rotation - 1;
+  for (int i = 0; i < 16; ++i) {
+    scalar.channel[0][i] = pixels.channel[apart][i];
+    colour.channel[apart][i] = pixels.channel[3][i];
+  }
+  I all[16];
+  for (I& member : all) member = splat(-1);
+  Bc7Candidate found{};
+  found.mode = splat(mode);
+  found.rotation = splat(rotation);
+  add_subset(fit_subset<ColourFit, 3>(colour, all, splat(0), rounds), 0, found);
+  const auto fit = fit_subset<ScalarFit, 1>(scalar, all, splat(0), rounds);
+  for (int e = 0; e < 2; ++e) found.stored[0][e][3] = fit.stored[e][0];
+  for (int i = 0; i < 16; ++i) found.second_index[i] = fit.index[i];
+  found.error += fit.error;
+  return found;
+}
+
+CAIRN_INLINE bool all_opaque(const Pixels& pixels) {
+  bool all = true;
+  for (int lane = 0; lane < kLanes; ++lane) all &= pixels.opaque[lane] != 0;
+  return all;
 }
 
 CAIRN_INLINE void write_bc7(const Bc7Candidate& best, std::byte* out, std::ptrdiff_t out_stride) {

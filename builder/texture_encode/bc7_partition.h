@@ -59,34 +59,45 @@ CAIRN_INLINE MomentTerms moment_terms(const Pixels& pixels) {
   return terms;
 }
 
-/// What two lines leave over, one through each subset.
-CAIRN_INLINE F left_by_partition(const MomentTerms& terms, unsigned second_subset) {
-  Moments part{}, rest;
-  int n = 0;
-  for (unsigned bits = second_subset; bits != 0; bits &= bits - 1, ++n) {
-    for (int k = 0; k < 9; ++k) part.sum[k] += terms.term[k][__builtin_ctz(bits)];
+/// What lines leave over, one through each subset.
+template <int kSubsets>
+CAIRN_INLINE F left_by_partition(const MomentTerms& terms, int partition) {
+  Moments part[kSubsets] = {};
+  int count[kSubsets] = {16};
+  part[0] = terms.all;
+  for (int i = 0; i < 16; ++i) {
+    const unsigned subset = kSubsets == 2 ? bptc::kPartitions2.data()[partition] >> i & 1U
+                                          : bptc::kPartitions3.data()[partition] >> (2 * i) & 3U;
+    if (subset == 0) continue;
+    ++count[subset];
+    --count[0];
+    for (int k = 0; k < 9; ++k) part[subset].sum[k] += terms.term[k][i];
   }
-  for (int k = 0; k < 9; ++k) rest.sum[k] = terms.all.sum[k] - part.sum[k];
-  return left_by_line(part, splat(1.0F / static_cast<float>(n))) +
-         left_by_line(rest, splat(1.0F / static_cast<float>(16 - n)));
+  for (int s = 1; s < kSubsets; ++s) {
+    for (int k = 0; k < 9; ++k) part[0].sum[k] -= part[s].sum[k];
+  }
+  F left{};
+  for (int s = 0; s < kSubsets; ++s)
+    left += left_by_line(part[s], splat(1.0F / static_cast<float>(count[s])));
+  return left;
 }
 
-/// The partitions in two whose subsets lie nearest to lines, best first.
-template <int kCount>
-CAIRN_INLINE void promising_partitions(const Pixels& pixels, I (&partitions)[kCount]) {
+/// Of the first `total` partitions those whose subsets lie nearest to lines, best first.
+template <int kSubsets, int kCount>
+CAIRN_INLINE void promising_partitions(const Pixels& pixels, int total, I (&partitions)[kCount]) {
   const MomentTerms terms = moment_terms(pixels);
   F least[kCount];
   for (F& each : least) each = splat(1e30F);
   for (I& partition : partitions) partition = splat(0);
-  for (int partition = 0; partition < 64; ++partition) {
-    F left = left_by_partition(terms, bptc::kPartitions2.data()[partition]);
-    I which = splat(partition);
+  for (int number = 0; number < total; ++number) {
+    F left = left_by_partition<kSubsets>(terms, number);
+    I which = splat(number);
     for (int place = 0; place < kCount; ++place) {
       const I better = left < least[place];
       const F was = least[place];
       const I was_which = partitions[place];
-      least[place] = min(left, least[place]);
-      partitions[place] = select(better, which, partitions[place]);
+      least[place] = min(left, was);
+      partitions[place] = select(better, which, was_which);
       left = select(better, was, left);
       which = select(better, was_which, which);
     }

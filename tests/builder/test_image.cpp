@@ -46,7 +46,10 @@ TestImage noise(int width, int height, unsigned seed) {
 }
 
 TestImage photo(const std::filesystem::path& path, int width, int height) {
-  OIIO::ImageBuf file(path.string());
+  // Or a fourth band that is no alpha (near infrared) would be multiplied into the colours.
+  OIIO::ImageSpec as_stored;
+  as_stored["oiio:UnassociatedAlpha"] = 1;
+  OIIO::ImageBuf file(path.string(), 0, 0, nullptr, &as_stored);
   if (!file.read(0, 0, true, OIIO::TypeDesc::UINT8) || file.nchannels() < 3) return {};
   TestImage image{std::min(width, file.spec().width), std::min(height, file.spec().height), {}};
   std::vector<std::uint8_t> rgb(static_cast<std::size_t>(image.width * image.height) * 3);
