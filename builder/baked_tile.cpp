@@ -11,6 +11,7 @@ void append_baked_tile(const BakedTile& baked, std::vector<std::byte>& out) {
   writer.write(baked.id.y);
   writer.write(baked.filled);
   writer.write(std::uint8_t{baked.has_stored});
+  writer.write(std::uint8_t{baked.lends_edge});
   writer.write(static_cast<std::uint32_t>(baked.errors_m.size()));
   for (const double error : baked.errors_m) writer.write(error);
   baked.settled.append_to(out);
@@ -30,6 +31,7 @@ Result<BakedTile> read_baked_tile(ByteReader& in, int tile_size) {
   baked.id.y = in.read<std::int32_t>();
   baked.filled = in.read<double>();
   baked.has_stored = in.read<std::uint8_t>() != 0;
+  baked.lends_edge = in.read<std::uint8_t>() != 0;
   for (auto n = in.read<std::uint32_t>(); n > 0 && in.ok(); --n) baked.errors_m.push_back(in.read<double>());
   baked.settled = PostStats::read_from(in);
   for (auto n = in.read<std::uint32_t>(); n > 0 && in.ok(); --n)

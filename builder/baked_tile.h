@@ -26,6 +26,7 @@ struct BakedTile {
   /// open[i]: posts not settled yet, measured at level id.level - i. It goes as far up as tiles may be left
   /// out.
   std::vector<PostStats> open;
+  bool lends_edge = false;  ///< only its edge counts, for its parent: never stored, nothing measured
   bool has_stored = false;  ///< this tile or a descendant is stored
 
   /// By number in the SourcePool: how many of the posts that count are the source's.

@@ -24,7 +24,8 @@ Status BuildPlan::choose_levels(const BuildOptions& options) {
   const int native = mosaic_->finest_level();
   finest_ = options.level.value_or(native);
   const int top = options.top.value_or(mosaic_->is_global() ? kMinLevel : std::min(0, finest_));
-  tree_ = TileTree(top, leaf_level_in(*mosaic_, options.region));
+  tree_ = TileTree(top, leaf_level_in(*mosaic_, options.region),
+                   [mosaic = mosaic_](const TileId& id) { return mosaic->touches(id); });
   if (top > finest_) {
     return usage_error("--top " + std::to_string(top) + ": expected a level no finer than the finest, " +
                        std::to_string(finest_));

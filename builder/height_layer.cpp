@@ -63,12 +63,14 @@ Result<BakedTile> HeightLayer::bake_leaf(const TileId& id) const {
 BakedTile HeightLayer::open_parent(const TileId& id) const {
   BakedTile parent;
   parent.id = id;
+  parent.lends_edge = plan_.tree().lends_edge(id);
   parent.tile = empty_parent(plan_.tile_size());
   parent.filled = 1;
   return parent;
 }
 
 Result<std::optional<TileBlock>> HeightLayer::settle(BakedTile& tile) const {
+  if (tile.lends_edge) return std::optional<TileBlock>{};
   const bool leave_out = !tile.has_stored && tile.id.level > plan_.top() && tile.open.size() > 1;
   if (leave_out) {
     tile.open.erase(tile.open.begin());
@@ -81,8 +83,9 @@ Result<std::optional<TileBlock>> HeightLayer::settle(BakedTile& tile) const {
   return std::optional<TileBlock>(block_of(tile));
 }
 
-void HeightLayer::take(const BakedTile& child, bool first, BakedTile& parent) const {
+void HeightLayer::take(const BakedTile& child, bool /*first*/, BakedTile& parent) const {
   take_child(child.tile, quadrant_of(child.id), parent.tile);
+  if (child.lends_edge) return;
   parent.filled -= (1 - child.filled) / 4;
   parent.settled.add(child.settled);
   parent.has_stored = parent.has_stored || child.has_stored;
@@ -90,7 +93,7 @@ void HeightLayer::take(const BakedTile& child, bool first, BakedTile& parent) co
   for (std::size_t s = 0; s < child.posts_won.size(); ++s) parent.posts_won[s] += child.posts_won[s];
 
   const std::vector<double> errors = errors_above(child, plan_.quantum_m());
-  if (first) {
+  if (parent.errors_m.empty()) {
     parent.errors_m = errors;
     parent.open = child.has_stored ? std::vector<PostStats>(1) : child.open;
     return;

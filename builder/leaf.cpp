@@ -78,6 +78,8 @@ Result<BakedTile> bake_leaf(const Mosaic& mosaic, const BuildPlan& plan, const T
   baked.id = id;
   baked.tile = std::move(cut.tile);
   baked.filled = cut.filled;
+  baked.lends_edge = plan.tree().lends_edge(id);
+  if (baked.lends_edge) return baked;
   measure_levels(plan, *sampled, baked);
   baked.posts_won = count_winners(mosaic, *sampled, plan.counting(id));
   return baked;

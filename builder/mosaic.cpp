@@ -11,6 +11,8 @@
 namespace cairn {
 namespace {
 
+constexpr double kTouch = 1e-8;  // degrees: a footprint that ends on a tile's edge touches it
+
 double smoothstep(double t) {
   return t * t * (3 - 2 * t);
 }
@@ -107,10 +109,16 @@ bool Mosaic::covers(const TileId& id) const {
                      [&](const auto& g) { return g->footprint().overlaps(bounds); });
 }
 
+bool Mosaic::touches(const TileId& id) const {
+  const GeoBounds bounds = tile_bounds(id);
+  return std::any_of(groups_.begin(), groups_.end(),
+                     [&](const auto& g) { return g->footprint().overlaps(bounds, kTouch); });
+}
+
 std::vector<std::size_t> Mosaic::groups_touching(const GeoBounds& bounds) const {
   std::vector<std::size_t> touching;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const double reach = reaches_[g].fade > 0 ? reaches_[g].solid + reaches_[g].fade : 0.0;
+    const double reach = reaches_[g].fade > 0 ? reaches_[g].solid + reaches_[g].fade : kTouch;
     if (!groups_[g]->footprint().overlaps(bounds, reach)) continue;
     touching.push_back(g);
     if (groups_[g]->footprint().contains(bounds)) break;  // nothing beneath it shows here

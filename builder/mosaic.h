@@ -48,11 +48,14 @@ class Mosaic {
   /// Whether any source covers an area of the tile.
   bool covers(const TileId& id) const;
 
+  /// Whether any source reaches the tile or its edge.
+  bool touches(const TileId& id) const;
+
   /// The level at which the tile's area must be sampled: the finest native level of the groups that touch it,
   /// counting the zone in which they fade. nullopt where no source covers any of it.
   std::optional<int> leaf_level(const TileId& id) const;
 
-  /// REQUIRES: leaf_level(id) <= id.level. Safe to call from several threads.
+  /// REQUIRES: touches(id), and no group that touches it needs a finer level. Safe to call from several threads.
   Result<MosaicTile> sample(const TileId& id) const;
 
  private:

@@ -1,5 +1,7 @@
 #include "builder/tile_tree.h"
 
+#include <algorithm>
+
 namespace cairn {
 namespace {
 
@@ -13,19 +15,36 @@ bool TileTree::wants(const TileId& id) const {
 }
 
 bool TileTree::is_leaf(const TileId& id) const {
-  return id.level >= top_ && leaf_level_(id).value_or(kMinLevel) <= id.level;
+  return id.level >= top_ && finest_within(id) <= id.level;
+}
+
+// A tile that lends its edge is as fine as what lies beyond that edge.
+int TileTree::finest_within(const TileId& id) const {
+  if (const auto own = leaf_level_(id)) return *own;
+  int finest = kMinLevel;
+  for (const int dy : {-1, 0, 1}) {
+    for (const int dx : {-1, 0, 1}) {
+      const TileId beyond = neighbour_of(id, dx, dy);
+      if (is_valid(beyond)) finest = std::max(finest, leaf_level_(beyond).value_or(kMinLevel));
+    }
+  }
+  return finest;
+}
+
+bool TileTree::lends_edge(const TileId& id) const {
+  return id.level > top_ && is_valid(id) && touches_ && !leaf_level_(id) && touches_(id);
 }
 
 int TileTree::children_of(const TileId& id) const {
   int count = 0;
-  for (int q = 0; q < 4; ++q) count += wants(child_of(id, q)) ? 1 : 0;
+  for (int q = 0; q < 4; ++q) count += is_walked(child_of(id, q)) ? 1 : 0;
   return count;
 }
 
-// Visits the wanted tiles below `id` from the top level on, depth first, until visit() says to go no deeper.
+// Visits the tiles below `id` from the top level on, depth first, until visit() says to go no deeper.
 template <class Visit>
 void TileTree::walk(const TileId& id, const Visit& visit) const {
-  if (!wants(id)) return;
+  if (!is_walked(id)) return;
   if (id.level >= top_ && !visit(id)) return;
   for (int q = 0; q < 4; ++q) walk(child_of(id, q), visit);
 }
@@ -33,7 +52,7 @@ void TileTree::walk(const TileId& id, const Visit& visit) const {
 std::vector<TileId> TileTree::units() const {
   std::vector<TileId> units;
   walk(kEarth, [&](const TileId& id) {
-    if (*leaf_level_(id) - id.level > kLevelsInUnit) return true;
+    if (finest_within(id) - id.level > kLevelsInUnit) return true;
     units.push_back(id);
     return false;
   });

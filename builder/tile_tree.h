@@ -18,8 +18,13 @@ class TileTree {
   /// the layer has nothing in the tile. A tile's is never coarser than its descendants'.
   using LeafLevel = std::function<std::optional<int>(const TileId&)>;
 
-  /// `top` is the coarsest level.
-  TileTree(int top, LeafLevel leaf_level) : top_(top), leaf_level_(std::move(leaf_level)) {}
+  /// Whether the layer has something on the tile's edge, if not inside it.
+  using Touches = std::function<bool(const TileId&)>;
+
+  /// `top` is the coarsest level. Tiles that are only touched lend their edges to their parents, so that two
+  /// parents on a line where the layer begins have the same samples there; they are never stored.
+  TileTree(int top, LeafLevel leaf_level, Touches touches = {})
+      : top_(top), leaf_level_(std::move(leaf_level)), touches_(std::move(touches)) {}
 
   int top() const { return top_; }
 
@@ -27,7 +32,9 @@ class TileTree {
   bool wants(const TileId& id) const;
   /// Whether the tile is sampled, not put together from its children. REQUIRES: wants(id).
   bool is_leaf(const TileId& id) const;
-  /// How many of its children are wanted.
+  /// Whether the tile only lends its edge.
+  bool lends_edge(const TileId& id) const;
+  /// How many of its children are walked: wanted, or lending an edge.
   int children_of(const TileId& id) const;
 
   /// Subtrees of at most 16 leaves, in the order of the walk: what one task does.
@@ -38,11 +45,14 @@ class TileTree {
   std::map<int, std::uint64_t> tiles_by_level() const;
 
  private:
+  int finest_within(const TileId& id) const;
+  bool is_walked(const TileId& id) const { return wants(id) || lends_edge(id); }
   template <class Visit>
   void walk(const TileId& id, const Visit& visit) const;
 
   int top_;
   LeafLevel leaf_level_;
+  Touches touches_;
 };
 
 }  // namespace cairn

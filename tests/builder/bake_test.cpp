@@ -264,6 +264,26 @@ TEST_CASE("open sea stops early: no fine tiles, and its parent's surface is the 
   CHECK(fine < 16);
 }
 
+TEST_CASE("levels coarser than a cell share their edges where the sources end on one") {
+  const auto data = test::real_data();
+  if (!data) return;
+  const test::TempDir dir;
+  BuildOptions options =
+      options_for({*data / "dted1/n18_w156_3arc_v2.dt1", *data / "dted1/n19_w155_3arc_v2.dt1",
+                   *data / "dted1/n19_w156_3arc_v2.dt1", *data / "dted1/n19_w157_3arc_v2.dt1",
+                   *data / "dted1/n20_w156_3arc_v2.dt1"},
+                  dir.path() / "a.cairn");
+  options.top = kMinLevel;
+  for (const int tile_size : {257, 513}) {
+    options.tile_size = tile_size;
+    bake(options);
+    const auto verified = verify_pack(options.target, {2, 10});
+    REQUIRE(verified.ok());
+    for (const Finding& f : verified->findings) UNSCOPED_INFO(f.where << ": " << f.what);
+    CHECK(verified->ok());
+  }
+}
+
 TEST_CASE("a geoid moves every post by its undulation") {
   const auto data = test::real_data();
   if (!data) return;
