@@ -1,8 +1,11 @@
 // cairn-runtime-bench PACK: what the runtime's steps take, on the wall clock, with p50, p95 and p99.
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <random>
 #include <thread>
 
 #include <time.h>
@@ -126,6 +129,51 @@ Status bench_update(const std::shared_ptr<const PackReader>& pack, const TileId&
   return {};
 }
 
+/// Ten thousand moves in random directions and at random altitudes about the middle of the pack, a
+/// millisecond apart, so that loading is mostly behind.
+Status bench_random_flight(const std::shared_ptr<const PackReader>& pack, const TileId& middle, int workers) {
+  TerrainOptions options;
+  options.workers = workers;
+  options.cache_bytes = std::uint64_t{160} << 20;
+  Result<Terrain> terrain = Terrain::open(pack, options);
+  if (!terrain) return terrain.error();
+  std::mt19937_64 random(5);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const GeoBounds bounds = tile_bounds(middle);
+  const double width = bounds.width();
+  ViewState view;
+  view.eye = {bounds.west, bounds.south};
+  std::uint64_t most_bytes = 0;
+  std::vector<double> samples;
+  for (int i = 0; i < 10000; ++i) {
+    if (i % 50 == 0) view.height_m = std::exp(between(std::log(500.0), std::log(1e6)));
+    view.eye.lon = std::clamp(view.eye.lon + between(-width, width) / 4, bounds.west - 8 * width,
+                              bounds.east + 8 * width);
+    view.eye.lat = std::clamp(view.eye.lat + between(-width, width) / 4, bounds.south - 8 * width,
+                              bounds.north + 8 * width);
+    const auto start = Clock::now();
+    terrain->update(view, 1.0 / 60);
+    samples.push_back(microseconds_since(start));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (i % 10 == 0) {
+      const PagingStats stats = terrain->stats();
+      most_bytes = std::max(most_bytes, stats.resident_bytes + stats.in_flight_bytes);
+    }
+  }
+  print("update() in 10000 random moves", "us", samples);
+  const PagingStats stats = terrain->stats();
+  std::printf(
+      "  workers %d: %llu map changes, %llu tiles loaded, %llu stale, %llu withdrawn, holes %llu, "
+      "tiles took %.0f MiB of %.0f at most\n",
+      workers, static_cast<unsigned long long>(stats.moves),
+      static_cast<unsigned long long>(stats.tiles_loaded), static_cast<unsigned long long>(stats.tiles_stale),
+      static_cast<unsigned long long>(stats.tiles_withdrawn), static_cast<unsigned long long>(stats.holes),
+      static_cast<double>(most_bytes) / (1 << 20), static_cast<double>(options.cache_bytes) / (1 << 20));
+  return {};
+}
+
 Status run(const char* path) {
   Result<PackReader> opened = PackReader::open(path);
   if (!opened) return opened.error();
@@ -137,7 +185,11 @@ Status run(const char* path) {
   for (const int workers : {1, 2, 4}) {
     if (const Status status = bench_loading(pack, workers); !status) return status;
   }
-  return bench_update(pack, *middle);
+  if (const Status status = bench_update(pack, *middle); !status) return status;
+  for (const int workers : {1, 2, 4}) {
+    if (const Status status = bench_random_flight(pack, *middle, workers); !status) return status;
+  }
+  return {};
 }
 
 }  // namespace
