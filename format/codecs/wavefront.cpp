@@ -1,11 +1,10 @@
 // Weighted prediction from twelve neighbours, fitted to the tile; residuals in eight contexts by the activity
-// around; sixteen interleaved range coders, one a lane of a skewed wavefront, so that AVX2 decodes sixteen
+// around; thirty-two interleaved coders, one a lane of a skewed wavefront, so that AVX2 decodes thirty-two
 // samples a step. docs/height-codec.md explains it and has the byte table.
 //
-// Code: u8 form, then
-//   constant: i32 the value
-//   narrow:   i32 base, u32 model bytes, u32 words, u32 escapes; model and row 0 (bits); words, states,
-//   escapes wide:     the code of `planes`, for tiles whose range does not fit 16 bits
+// Code: u8 form, then for a constant tile i32, its value; for a narrow one i32 base, u32 header bytes, u32
+// words, u32 escapes, header (the model and row 0, in bits), words, states, escapes; for a wide one, whose
+// range does not fit 16 bits, the code of `planes`.
 
 #include <algorithm>
 #include <limits>
@@ -173,6 +172,9 @@ Status decode_narrow(ByteReader& in, int size, std::span<std::int32_t> samples) 
 
   CodedSamples coded{{}, words.data(), words.size() / 2, escapes.data(), escapes.size() / 2};
   std::memcpy(coded.states.data(), states.data(), states.size());
+  for (const std::uint32_t state : coded.states) {
+    if (state < kStateFloor || state >> kStateBits != 0) return damaged("a coder's state is out of range");
+  }
   if (!decode_samples(g, model, coded, base, samples))
     return damaged("the coders do not end where they began");
   return {};
