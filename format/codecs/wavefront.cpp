@@ -24,7 +24,7 @@ namespace {
 
 using namespace wavefront;
 
-enum class Form : std::uint8_t { constant = 0, narrow = 1, wide = 2 };
+enum class Form : std::uint8_t { constant = 0, narrow = 1, planes = 2 };
 
 // --- Row 0: differences of first or second order, Rice-coded. ---
 
@@ -124,6 +124,24 @@ void encode_narrow(std::span<const std::int32_t> samples, int size, std::int32_t
   write_narrow(base, bits, streams, out);
 }
 
+void encode_planes(std::span<const std::int32_t> samples, int size, std::vector<std::byte>& out) {
+  out.push_back(static_cast<std::byte>(Form::planes));
+  planes_codec.encode(samples, size, out);
+}
+
+/// On nearly flat tiles the model and the coders' states weigh more than the samples.
+void encode_smallest(std::span<const std::int32_t> samples, int size, std::int32_t base,
+                     std::vector<std::byte>& out) {
+  const std::size_t start = out.size();
+  encode_narrow(samples, size, base, out);
+  if ((out.size() - start) * 32 > samples.size()) return;
+  std::vector<std::byte> other;
+  encode_planes(samples, size, other);
+  if (other.size() >= out.size() - start) return;
+  out.resize(start);
+  out.insert(out.end(), other.begin(), other.end());
+}
+
 void encode(std::span<const std::int32_t> samples, int size, std::vector<std::byte>& out) {
   const Range range = range_of(samples);
   if (range.low == range.high) {
@@ -131,10 +149,9 @@ void encode(std::span<const std::int32_t> samples, int size, std::vector<std::by
     writer.write(static_cast<std::uint8_t>(Form::constant));
     writer.write(range.low);
   } else if (is_narrow(range)) {
-    encode_narrow(samples, size, base_of(range), out);
+    encode_smallest(samples, size, base_of(range), out);
   } else {
-    out.push_back(static_cast<std::byte>(Form::wide));
-    planes_codec.encode(samples, size, out);
+    encode_planes(samples, size, out);
   }
 }
 
@@ -189,7 +206,7 @@ Status decode(std::span<const std::byte> code, int size, std::span<std::int32_t>
       return decode_constant(in, samples);
     case Form::narrow:
       return decode_narrow(in, size, samples);
-    case Form::wide:
+    case Form::planes:
       return planes_codec.decode(code.subspan(1), size, samples);
   }
   return damaged("its first byte is no form");

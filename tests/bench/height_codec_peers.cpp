@@ -83,14 +83,22 @@ Coder jpeg_ls() {
         {static_cast<std::uint32_t>(size), static_cast<std::uint32_t>(size), bits_of(values), 1});
     Bytes code(encoder.estimated_destination_size());
     encoder.destination(code);
-    code.resize(encoder.encode(values));
+    // Up to eight bits, CharLS takes bytes.
+    const std::vector<std::uint8_t> narrow(values.begin(), values.end());
+    code.resize(bits_of(values) <= 8 ? encoder.encode(narrow) : encoder.encode(values));
     out.insert(out.end(), code.begin(), code.end());
   };
   coder.decode = [](std::span<const std::byte> code, int, std::span<std::int32_t> samples) {
     charls::jpegls_decoder decoder;
     decoder.source(code.data() + 4, code.size() - 4).read_header();
     std::vector<std::uint16_t> values(samples.size());
-    decoder.decode(values);
+    if (decoder.frame_info().bits_per_sample <= 8) {
+      std::vector<std::uint8_t> narrow(samples.size());
+      decoder.decode(narrow);
+      std::copy(narrow.begin(), narrow.end(), values.begin());
+    } else {
+      decoder.decode(values);
+    }
     raise(values, lowest(code), samples);
     return true;
   };
