@@ -29,6 +29,7 @@ struct TiffImage::Part {
 namespace {
 
 constexpr std::int64_t kReadAtOnce = 256 * 1024;
+constexpr std::int64_t kShortRow = 4096;  // bytes that cost less to read than to ask for apart
 
 std::size_t pixel_bytes(const TiffLayout& layout) {
   return size_of(layout.type) * static_cast<std::size_t>(layout.samples_together());
@@ -134,7 +135,7 @@ Status TiffImage::visit_stored(const Part& part, const std::function<void(const 
   const auto pixel = static_cast<std::int64_t>(pixel_bytes(layout_));
   const std::int64_t stride = layout_.chunk_columns * pixel, wanted = part.columns * pixel;
   const std::int64_t rows_at_once =
-      2 * wanted >= stride ? std::max<std::int64_t>(1, kReadAtOnce / stride) : 1;
+      stride <= kShortRow || 2 * wanted >= stride ? std::max<std::int64_t>(1, kReadAtOnce / stride) : 1;
   std::vector<std::byte> bytes;
   for (std::int64_t done = 0; done < part.rows; done += rows_at_once) {
     const std::int64_t rows = std::min(rows_at_once, part.rows - done);
