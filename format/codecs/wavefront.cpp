@@ -3,8 +3,8 @@
 // samples a step. docs/height-codec.md explains it and has the byte table.
 //
 // Code: u8 form, then for a constant tile i32, its value; for a narrow one i32 base, u32 header bytes, u32
-// words, u32 escapes, header (the model and row 0, in bits), words, states, escapes; for a wide one, whose
-// range does not fit 16 bits, the code of `planes`.
+// words, u32 escapes, header (the model and row 0, in bits), words, states, escapes; for the rest the
+// code of `planes`: tiles whose range does not fit 16 bits, and nearly flat ones.
 
 #include <algorithm>
 #include <limits>
