@@ -11,7 +11,7 @@
 namespace cairn {
 
 /// Texels on both sides of a tile's edges at every mip, so that neighbouring tiles can be given the same edge
-/// texels: the mean of both sides. docs/textures.md says why.
+/// texels: the mean of both sides. docs/imagery.md says why.
 ///
 /// A mip's texel is 2^mip texels of the tile wide, but here it is never wider than kRim texels of the finest
 /// tiles across the edge: no tile has to know more of its neighbours.
