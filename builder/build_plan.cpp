@@ -49,7 +49,7 @@ Result<BuildPlan> BuildPlan::make(const Mosaic& mosaic, const BuildOptions& opti
   plan.tile_size_ = options.tile_size;
   if (auto status = plan.choose_levels(options); !status) return status.error();
   if (auto status = plan.choose_quantum(options); !status) return status.error();
-  if (!plan.tree_.wants({kMinLevel, 0, 0}))
+  if (plan.tree_.units().empty())
     return usage_error("--region: expected an area that the sources cover, found none");
   return plan;
 }

@@ -133,7 +133,8 @@ std::vector<Finding> check_metadata_json(const PackReader& pack) {
   rules.text_is("/vertical_datum", to_string(pack.header().vertical_datum));
   rules.number_is("/grid/tile_size", pack.header().tile_size);
   check_bounds(rules);
-  if (pack.levels(Layer::heights)) {
+  const bool imagery_alone = pack.levels(Layer::imagery) && !pack.levels(Layer::heights);
+  if (!imagery_alone) {
     rules.number_is("/grid/quantum_m", pack.header().quantum_m);
     check_accuracy(rules);
   }
