@@ -373,7 +373,7 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   glEnable(GL_FRAMEBUFFER_SRGB);
   glEnable(GL_DEPTH_TEST);
-  glEnable(GL_CULL_FACE);
+  glDisable(GL_CULL_FACE);  // rounding may turn a sliver over; it must be drawn all the same
   glEnable(GL_CLIP_DISTANCE0);
   glDepthFunc(GL_GREATER);
   const glm::vec3 background = look.hole_colour.value_or(glm::vec3(0));

@@ -41,7 +41,11 @@ layout(location = 0) in uint patch_index;
 layout(location = 0) out vec2 patch_place;  // 0…1 from the south-west corner
 layout(location = 1) out vec3 from_eye;
 layout(location = 2) out float height;
-layout(location = 3) flat out uint patch_of;
+// What the fragments need of the patch, handed on: a pixel beside a triangle's edge has neighbours that belong to
+// no patch, and what they would read from a buffer is undefined, but textures' gradients come from them too.
+layout(location = 3) flat out vec4 heights_window;  // origin and scale in the source, 0…1; layer
+layout(location = 4) flat out vec4 imagery_window;
+layout(location = 5) flat out ivec4 patch_facts;  // imagery's array, heights' base and shift, level
 
 out gl_PerVertex {
   vec4 gl_Position;
@@ -124,5 +128,8 @@ void main() {
   gl_ClipDistance[0] = is_void ? -1e9 : 1.0;
   patch_place = vec2(v) / float(cells);
   height = h;
-  patch_of = patch_index;
+  float tile_cells = exp2(float(tile_cells_log2));
+  heights_window = vec4(p.height_origin / tile_cells, float(cells) * p.height_step / tile_cells, float(p.height_layer));
+  imagery_window = vec4(p.imagery_origin, p.imagery_scale, float(p.imagery_layer));
+  patch_facts = ivec4(p.imagery_array, p.height_base, p.height_shift, p.level);
 }
