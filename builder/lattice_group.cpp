@@ -162,13 +162,13 @@ MeasuredPosts LatticeGroup::posts_of(const SampleWindow& window, const PostBlock
   for (std::int64_t i = columns.first; i <= columns.last; ++i) {
     posts.xs.push_back(lon_positions_.position(i) - static_cast<double>(window.column));
   }
+  const auto count = static_cast<std::ptrdiff_t>(posts.xs.size());
   for (std::int64_t j = rows.first; j <= rows.last; ++j) {
     posts.ys.push_back(lat_positions_.position(j) - static_cast<double>(window.row));
-    for (std::int64_t i = columns.first; i <= columns.last; ++i) {
-      const std::size_t at = block.index(static_cast<int>(i - block.i0), static_cast<int>(j - block.j0));
-      posts.heights.push_back(PostBlock::has_value(block.owners[at]) ? block.heights[at] : kNoHeight);
-      posts.owners.push_back(block.owners[at]);
-    }
+    const auto at = static_cast<std::ptrdiff_t>(
+        block.index(static_cast<int>(columns.first - block.i0), static_cast<int>(j - block.j0)));
+    posts.heights.insert(posts.heights.end(), block.heights.begin() + at, block.heights.begin() + at + count);
+    posts.owners.insert(posts.owners.end(), block.owners.begin() + at, block.owners.begin() + at + count);
   }
   return posts;
 }

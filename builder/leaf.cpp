@@ -50,14 +50,19 @@ void measure_levels(const BuildPlan& plan, const MosaicTile& mosaic, BakedTile& 
 std::vector<std::uint64_t> count_winners(const Mosaic& mosaic, const MosaicTile& tile,
                                          const PostCounting& counting) {
   std::vector<std::uint64_t> won(mosaic.pool().size(), 0);
+  const double last = counting.window.columns - 1;
   for (std::size_t g = 0; g < tile.posts.size(); ++g) {
     const auto& sources = mosaic.groups()[tile.groups[g]]->sources();
     const MeasuredPosts& posts = tile.posts[g];
-    std::size_t at = 0;
-    for (const double y : posts.ys) {
-      for (const double x : posts.xs) {
-        const std::size_t post = at++;
-        if (!std::isnan(posts.heights[post]) && counting.counts(x, y))
+    // Within the tile every post counts; only its last row and column have to be asked.
+    std::vector<std::uint8_t> inside(posts.xs.size());
+    for (std::size_t c = 0; c < inside.size(); ++c) inside[c] = posts.xs[c] < last ? 1 : 0;
+    for (std::size_t r = 0; r < posts.ys.size(); ++r) {
+      const bool asks = posts.ys[r] >= last;
+      for (std::size_t c = 0; c < posts.xs.size(); ++c) {
+        const std::size_t post = r * posts.xs.size() + c;
+        if (std::isnan(posts.heights[post])) continue;
+        if ((!asks && inside[c] != 0) || counting.counts(posts.xs[c], posts.ys[r]))
           ++won[sources[posts.owners[post] - 1u]];
       }
     }

@@ -19,8 +19,12 @@ class PostStats {
   template <class Where>
   void add(double error, const Where& where) {
     ++count_;
+    if (error == 0) {
+      ++bins_[0];
+      return;
+    }
     sum_of_squares_ += error * error;
-    ++bins_[error == 0 ? 0 : bin_of(error)];
+    ++bins_[bin_of(error)];
     if (error > max_) {
       max_ = error;
       worst_ = where();

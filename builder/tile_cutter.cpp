@@ -7,6 +7,13 @@
 namespace cairn {
 namespace {
 
+// floor(quanta + 1/2), without the library call that floor() is on a baseline CPU.
+std::int32_t to_nearest(double quanta) {
+  const double shifted = quanta + 0.5;
+  const auto towards_zero = static_cast<std::int32_t>(shifted);
+  return towards_zero - (static_cast<double>(towards_zero) > shifted ? 1 : 0);
+}
+
 bool is_void(SampleState state, VoidMode voids) {
   return state == SampleState::none || (state == SampleState::filled && voids == VoidMode::keep);
 }
@@ -32,8 +39,8 @@ CutTile cut_tile(const MosaicTile& mosaic, int tile_size, double quantum_m, Void
   cut.tile.size = tile_size;
   cut.tile.samples.resize(mosaic.heights.size());
   for (std::size_t i = 0; i < mosaic.heights.size(); ++i) {
-    const double quanta = static_cast<double>(mosaic.heights[i]) / quantum_m;
-    cut.tile.samples[i] = std::isnan(quanta) ? 0 : static_cast<std::int32_t>(std::floor(quanta + 0.5));
+    cut.tile.samples[i] =
+        std::isnan(mosaic.heights[i]) ? 0 : to_nearest(static_cast<double>(mosaic.heights[i]) / quantum_m);
   }
   if (!mosaic.states.empty()) mark_voids(mosaic, voids, cut);
   if (!cut.tile.voids.empty()) level_voids(cut.tile);
