@@ -83,7 +83,7 @@ Result<std::optional<TileBlock>> HeightLayer::settle(BakedTile& tile) const {
   return std::optional<TileBlock>(block_of(tile));
 }
 
-void HeightLayer::take(const BakedTile& child, bool /*first*/, BakedTile& parent) const {
+void HeightLayer::take(const BakedTile& child, BakedTile& parent) const {
   take_child(child.tile, quadrant_of(child.id), parent.tile);
   if (child.lends_edge) return;
   parent.filled -= (1 - child.filled) / 4;

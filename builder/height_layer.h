@@ -33,7 +33,7 @@ class HeightLayer {
 
   Result<BakedTile> bake_leaf(const TileId& id) const;
   BakedTile open_parent(const TileId& id) const;
-  void take(const BakedTile& child, bool first, BakedTile& parent) const;
+  void take(const BakedTile& child, BakedTile& parent) const;
   void close_parent(BakedTile& parent) const;
   Result<std::optional<TileBlock>> settle(BakedTile& tile) const;
 

@@ -26,7 +26,7 @@ BakedTexture ImageryLayer::open_parent(const TileId& id) const {
   return parent;
 }
 
-void ImageryLayer::take(const BakedTexture& child, bool, BakedTexture& parent) const {
+void ImageryLayer::take(const BakedTexture& child, BakedTexture& parent) const {
   parent.has_stored = parent.has_stored || child.has_stored;
   if (child.image.texels.empty()) return;
   if (parent.image.texels.empty()) parent.image = LinearImage(size_, size_);

@@ -38,7 +38,7 @@ class ImageryLayer {
 
   Result<BakedTexture> bake_leaf(const TileId& id) const;
   BakedTexture open_parent(const TileId& id) const;
-  void take(const BakedTexture& child, bool first, BakedTexture& parent) const;
+  void take(const BakedTexture& child, BakedTexture& parent) const;
   void close_parent(BakedTexture& parent) const;
   Result<std::optional<TileBlock>> settle(BakedTexture& tile) const;
 

@@ -22,7 +22,7 @@ struct TileBlock {
 /// be stored. Not thread-safe. What tiles are is the layer's: it has
 ///   Layer::Tile                                            with a member `id`,
 ///   Tile open_parent(const TileId&) const                  before its children are in,
-///   void take(const Tile& child, bool first, Tile&) const  puts a child into its parent,
+///   void take(const Tile& child, Tile&) const              puts a child into its parent,
 ///   void close_parent(Tile&) const                         once all are in,
 ///   Result<std::optional<TileBlock>> settle(Tile&) const   what is stored of a tile, if it is.
 template <class Layer>
@@ -41,9 +41,9 @@ class Pyramid {
       if (auto status = settle(child); !status) return status.error();
       const TileId parent_id = parent_of(child.id);
       if (open_.empty() || open_.back().parent.id != parent_id)
-        open_.push_back({layer_.open_parent(parent_id), tree_.children_of(parent_id), true});
+        open_.push_back({layer_.open_parent(parent_id), tree_.children_of(parent_id)});
       OpenParent& into = open_.back();
-      layer_.take(child, std::exchange(into.is_new, false), into.parent);
+      layer_.take(child, into.parent);
       if (--into.waiting_for > 0) return std::optional<Tile>{};
       layer_.close_parent(into.parent);
       child = std::move(into.parent);
@@ -63,7 +63,6 @@ class Pyramid {
   struct OpenParent {
     Tile parent;
     int waiting_for = 0;
-    bool is_new = true;
   };
 
   const Layer& layer_;
