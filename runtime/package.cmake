@@ -10,7 +10,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/format DESTINATION ${CMAKE_INSTALL_INCLU
         FILES_MATCHING PATTERN "*.h" PATTERN codecs EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/runtime DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cairn
         FILES_MATCHING PATTERN "*.h" PATTERN gl EXCLUDE PATTERN viewer EXCLUDE PATTERN stats EXCLUDE
-        PATTERN lab EXCLUDE)
+        PATTERN lab EXCLUDE PATTERN lod EXCLUDE PATTERN lod_method.h EXCLUDE)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cairn)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/cairn-config.cmake.in cairn-config.cmake

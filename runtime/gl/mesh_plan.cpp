@@ -11,15 +11,8 @@
 namespace cairn::gl {
 namespace {
 
-struct PointHash {
-  std::size_t operator()(const LatticePoint& p) const noexcept {
-    const auto x = static_cast<std::uint64_t>(p.x), y = static_cast<std::uint64_t>(p.y);
-    return static_cast<std::size_t>((x * 0x9E3779B97F4A7C15u) ^ ((y * 0xBF58476D1CE4E5B9u) >> 7));
-  }
-};
-
 /// The surface that decides at points that some patch which touches them has no sample at.
-using Deciders = std::unordered_map<LatticePoint, const SurfaceTile*, PointHash>;
+using Deciders = std::unordered_map<LatticePoint, const SurfaceTile*>;
 
 /// What a patch's side is joined to, along a part of it.
 struct Joint {
@@ -29,11 +22,6 @@ struct Joint {
   const SurfaceTile* surface = nullptr;
 };
 using Joints = std::array<std::vector<Joint>, 4>;
-
-LatticePoint canonical(LatticePoint point) {
-  if (point.x >= kLatticeAround) point.x -= kLatticeAround;
-  return point;
-}
 
 /// No surface (height 0) is the coarsest.
 const SurfaceTile* coarser_of(const SurfaceTile* a, const SurfaceTile* b) {

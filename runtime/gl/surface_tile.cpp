@@ -119,11 +119,6 @@ HeightTexels height_texels(const HeightTile& tile) {
   return out;
 }
 
-LatticePoint south_west_of(const TileId& id) {
-  const std::int64_t width = lattice_width(id.level);
-  return {id.x * width, id.y * width};
-}
-
 float height_at(const SurfaceTile& tile, const LatticePoint& point) {
   const HeightTile& heights = *tile.heights;
   const int cells_log2 = cells_log2_of(heights.size);

@@ -7,6 +7,7 @@
 
 #include "format/height_tile.h"
 #include "format/tile_id.h"
+#include "runtime/lattice.h"
 
 namespace cairn::gl {
 
@@ -60,23 +61,6 @@ struct SurfaceTile {
   /// Of the block that holds the area, of the whole tile where that is larger. REQUIRES: the tile covers it.
   const Relief& relief_under(const TileId& area) const;
 };
-
-/// A place on the grid of the finest lattice that there can be, in units of 2^-29 degree from 180°W and 90°S:
-/// a sample of level 20 tiles of 513. Exact for every sample of every tile.
-struct LatticePoint {
-  std::int64_t x = 0;
-  std::int64_t y = 0;
-  friend bool operator==(const LatticePoint&, const LatticePoint&) = default;
-};
-inline constexpr int kLatticeLevel = kMaxLevel + kMaxCellsLog2;
-inline constexpr std::int64_t kLatticeAround = std::int64_t{360} << kLatticeLevel;
-inline constexpr std::int64_t kLatticePoleToPole = std::int64_t{180} << kLatticeLevel;
-
-/// Units along the side of a tile, and its south-west corner.
-inline std::int64_t lattice_width(int level) {
-  return std::int64_t{1} << (kLatticeLevel - level);
-}
-LatticePoint south_west_of(const TileId& id);
 
 /// The height in metres, bilinear between samples, in the same way from every tile that has them; NaN where a
 /// sample that it needs is void. A sample is float(quanta)·float(quantum). REQUIRES: the point lies in the

@@ -1,0 +1,51 @@
+// [4, §3.1]: every sample of every tile; one strip a tile with degenerate triangles, [0, §2, Table 1].
+
+#include "runtime/lod/mesh/conform.h"
+#include "runtime/lod/mesh/cpu_clock.h"
+#include "runtime/lod/mesh/index_forms.h"
+#include "runtime/lod/mesh/tile_culling.h"
+#include "runtime/lod/mesh/tile_window.h"
+
+namespace cairn {
+namespace {
+
+LodTileMesh every_sample(const LodScene& scene, std::size_t index) {
+  const TileWindow window(scene, scene.tiles[index]);
+  const int side = window.cells() + 1;
+  LodTileMesh mesh{index, {}, triangles_of_strip(grid_indices(IndexForm::degenerate_strip, side, side))};
+  mesh.vertices.reserve(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+  for (int r = 0; r < side; ++r) {
+    for (int c = 0; c < side; ++c) mesh.vertices.push_back(window.vertex(c, r));
+  }
+  return mesh;
+}
+
+class Full : public LodMethod {
+ public:
+  void prepare(const LodScene&) override {}
+  std::uint64_t prepared_bytes() const override { return 0; }
+
+  LodMesh build(const LodScene& scene, const LodView& view) override {
+    const double start = thread_cpu_s();
+    const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
+    const double selected = thread_cpu_s();
+    LodMesh mesh;
+    for (const std::size_t index : drawn) {
+      mesh.tiles.push_back(every_sample(scene, index));
+      const int side = TileWindow(scene, scene.tiles[index]).cells() + 1;
+      for (const IndexForm form : kIndexForms) mesh.count(form, grid_index_count(form, side, side));
+    }
+    conform(scene, mesh);
+    mesh.selection_s = selected - start;
+    mesh.building_s = thread_cpu_s() - selected;
+    return mesh;
+  }
+};
+
+}  // namespace
+
+extern const LodMethodInfo full_lod_method;
+const LodMethodInfo full_lod_method{
+    "full", true, [](const LodOptions&) -> std::unique_ptr<LodMethod> { return std::make_unique<Full>(); }};
+
+}  // namespace cairn

@@ -1,0 +1,16 @@
+#include "runtime/lod/mesh/tile_culling.h"
+
+#include "runtime/visible_set.h"
+
+namespace cairn {
+
+std::vector<std::size_t> tiles_in_view(const LodScene& scene, const LodView& view) {
+  const ViewVolume volume(view.view, Occluder(scene.lowest_m));
+  std::vector<std::size_t> drawn;
+  for (std::size_t i = 0; i < scene.tiles.size(); ++i) {
+    if (!view.cull || volume.sees(scene.tiles[i].volume)) drawn.push_back(i);
+  }
+  return drawn;
+}
+
+}  // namespace cairn

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "runtime/lod_method.h"
+
+namespace cairn {
+
+/// The numbers of the tiles to draw: all, or those that the view may see where it culls.
+std::vector<std::size_t> tiles_in_view(const LodScene& scene, const LodView& view);
+
+}  // namespace cairn
