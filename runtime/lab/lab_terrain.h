@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "format/pack_reader.h"
+#include "format/status.h"
+#include "runtime/bounding_volume.h"
+#include "runtime/eye_tile.h"
+#include "runtime/lod_method.h"
+#include "runtime/pack_contents.h"
+#include "runtime/scene_map.h"
+
+namespace cairn {
+
+/// Which tiles a scene has.
+struct SceneRules {
+  Marking marking = Marking::restricted;
+  /// An area in the picture whose source's geometric error may project above this is split, as far as the
+  /// pack has finer tiles: no method can keep a tolerance that its tiles do not. 0: the scene map alone.
+  double refine_px = 0;
+};
+
+/// A part of the Earth where the pack has nothing finer than `source`.
+struct FinestArea {
+  TileId area;
+  IndexEntry source;
+  BoundingVolume volume;
+};
+
+/// The tiles of a pack as a Terrain would show them when all is loaded, without its threads. One thread.
+class LabTerrain {
+ public:
+  explicit LabTerrain(std::shared_ptr<const PackReader> pack);
+
+  const PackReader& pack() const { return contents_.pack(); }
+  double lowest_m() const { return contents_.lowest_m(); }
+  const std::vector<FinestArea>& finest() const { return finest_; }
+
+  /// The eye's tile is held over a flight's views as Terrain does; forget_eye() begins anew.
+  Result<LodScene> scene_for(const ViewState& view, const SceneRules& rules);
+  void forget_eye() { eye_ = EyeTile(kTileMargin, kLevelMargin); }
+
+  Result<std::shared_ptr<const HeightTile>> heights(const IndexEntry& entry);
+  /// Of the finest surface, in metres; nullopt where the pack has none or it is void.
+  Result<std::optional<double>> ground_m(LonLat place);
+
+ private:
+  static constexpr double kTileMargin = 0.125, kLevelMargin = 0.25;  // TerrainOptions' own
+
+  void add_to_cover(const TileId& area, bool has_source, std::vector<TileId>& cover) const;
+  std::vector<TileId> areas_for(const ViewState& view, Marking marking);
+  void refine(const TileId& area, const ViewState& view, double refine_px, std::vector<TileId>& out) const;
+  void within_world(const TileId& area, std::vector<TileId>& out) const;
+  bool has_finer(const TileId& area) const;
+  void list_finest(const TileId& area);
+  const BoundingVolume& volume_of(const TileId& area, const IndexEntry& source) const;
+  Result<LodTile> load(const TileId& area, const IndexEntry& source);
+  Result<std::shared_ptr<const std::vector<std::byte>>> flags(const TileId& id);
+
+  PackContents contents_;
+  Occluder occluder_;
+  EyeTile eye_{kTileMargin, kLevelMargin};
+  std::vector<FinestArea> finest_;
+  std::unordered_map<TileId, std::shared_ptr<const HeightTile>> heights_;
+  std::unordered_map<TileId, std::shared_ptr<const std::vector<std::byte>>> flags_;
+  mutable std::unordered_map<TileId, BoundingVolume> volumes_;
+};
+
+}  // namespace cairn
