@@ -135,12 +135,14 @@ float height_at(const SurfaceTile& tile, const LatticePoint& point) {
     return static_cast<double>(static_cast<float>(heights.at(column, row)) *
                                static_cast<float>(tile.quantum_m));
   };
-  const auto along = [&](int row) {
-    const double west = metres(c, row);
-    return u == 0 ? west : west + (metres(c + 1, row) - west) * u;
-  };
-  const double south = along(r);
-  return static_cast<float>(v == 0 ? south : south + (along(r + 1) - south) * v);
+  // A sample without weight is not read: it may be void, or beyond the tile.
+  const double high = std::max(u, v), low = std::min(u, v);
+  double height = metres(c, r);
+  if (high == 0) return static_cast<float>(height);
+  const double other = low == high ? height : u > v ? metres(c + 1, r) : metres(c, r + 1);
+  height += (other - height) * high;
+  if (low > 0) height += (metres(c + 1, r + 1) - other) * low;
+  return static_cast<float>(height);
 }
 
 }  // namespace cairn::gl

@@ -62,8 +62,9 @@ struct SurfaceTile {
   const Relief& relief_under(const TileId& area) const;
 };
 
-/// The height in metres, bilinear between samples, in the same way from every tile that has them; NaN where a
-/// sample that it needs is void. A sample is float(quanta)·float(quantum). REQUIRES: the point lies in the
+/// The height in metres of the triangles between the samples, whose diagonals run from south-west to
+/// north-east; along an edge that tiles share the same from each of them; NaN where a sample that it needs is
+/// void. A sample is float(quanta)·float(quantum). REQUIRES: the point lies in the
 /// tile, edges included.
 float height_at(const SurfaceTile& tile, const LatticePoint& point);
 

@@ -5,6 +5,8 @@
 #include <thread>
 #include <utility>
 
+#include "runtime/gl/drawn_ground.h"
+
 namespace cairn::viewer {
 
 Scene::Scene(std::shared_ptr<const PackReader> pack, std::unique_ptr<gl::HeightUploads> uploads,
@@ -49,6 +51,10 @@ void Scene::load_all(const ViewState& view) {
   for (update(view, 0); !list_->is_complete; update(view, 0)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+}
+
+double Scene::ground_m(LonLat place) const {
+  return gl::drawn_ground_m(*list_, pack_->header().quantum_m, place).value_or(0);
 }
 
 std::vector<Error> Scene::take_errors() {

@@ -28,6 +28,9 @@ class Scene {
   /// Draws no frame, but lets the terrain load until the view has all that the pack has for it.
   void load_all(const ViewState& view);
 
+  /// The ground as it is drawn, in metres; 0 where nothing is. After the first update.
+  double ground_m(LonLat place) const;
+
   const PackReader& pack() const { return *pack_; }
   const Terrain& terrain() const { return terrain_; }
   const RenderList* list() const { return list_; }

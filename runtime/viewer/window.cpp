@@ -159,7 +159,7 @@ class Session {
     }
   }
 
-  double ground_m() const { return scene_.terrain().ground_height_m(view_.eye).value_or(0); }
+  double ground_m() const { return scene_.list() ? scene_.ground_m(view_.eye) : 0; }
 
   void move(double dt_s) {
     const ImGuiIO& io = ImGui::GetIO();

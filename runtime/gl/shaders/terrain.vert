@@ -78,9 +78,12 @@ float sampled_height(Patch p, uvec2 vertex, out bool is_void) {
     is_void = sw == kVoidTexel;
     return metres(p, sw);
   }
-  uint se = texel(p, low + ivec2(1, 0)), nw = texel(p, low + ivec2(0, 1)), ne = texel(p, low + ivec2(1, 1));
-  is_void = max(max(sw, se), max(nw, ne)) == kVoidTexel;
-  return mix(mix(metres(p, sw), metres(p, se), part.x), mix(metres(p, nw), metres(p, ne), part.x), part.y);
+  // On the triangles between the samples, as gl::height_at().
+  bool east = part.x > part.y;
+  uint other = texel(p, low + (east ? ivec2(1, 0) : ivec2(0, 1))), ne = texel(p, low + ivec2(1, 1));
+  float far = max(part.x, part.y), near = min(part.x, part.y);
+  is_void = max(sw, max(far > near ? other : sw, near > 0.0 ? ne : sw)) == kVoidTexel;
+  return metres(p, sw) + (metres(p, other) - metres(p, sw)) * far + (metres(p, ne) - metres(p, other)) * near;
 }
 
 // The entry of a vertex on a listed side, -1 where it is on none.
