@@ -25,6 +25,30 @@ std::uint8_t to_8_bits(unsigned value, int bits) {
 
 }  // namespace
 
+bool is_plain_rgb(const ColourEncoding& e) {
+  return e.type == SampleType::uint8 && e.bits == 8 && e.channels == std::vector{0, 1, 2} && !e.alpha &&
+         !e.white_is_zero && e.palette.empty();
+}
+
+void expand_rgb(const ColourEncoding& encoding, const std::byte* samples, std::size_t stride,
+                std::size_t count, std::uint8_t* rgba) {
+  if (samples == nullptr) {
+    std::memset(rgba, 0, 4 * count);
+    return;
+  }
+  const auto* from = reinterpret_cast<const std::uint8_t*>(samples);
+  const double nodata = encoding.nodata.value_or(-1);
+  const bool has_nodata = nodata >= 0 && nodata <= 255 && nodata == std::floor(nodata);
+  const auto absent = static_cast<std::uint8_t>(has_nodata ? nodata : 0);
+  for (std::size_t i = 0; i < count; ++i, from += stride, rgba += 4) {
+    const bool is_absent = has_nodata && from[0] == absent && from[1] == absent && from[2] == absent;
+    rgba[0] = from[0];
+    rgba[1] = from[1];
+    rgba[2] = from[2];
+    rgba[3] = is_absent ? 0 : 255;
+  }
+}
+
 ColourAssembly::ColourAssembly(const ColourEncoding& encoding, std::span<std::uint8_t> rgba)
     : encoding_(encoding), rgba_(rgba), absent_(rgba.size() / 4) {
   assert(encoding.type == SampleType::uint8 || encoding.type == SampleType::uint16);

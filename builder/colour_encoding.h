@@ -24,6 +24,14 @@ struct ColourEncoding {
   std::optional<double> nodata;       ///< a pixel whose channels all have it is void
 };
 
+/// Whether pixels are red, green and blue of 8 bits side by side, which expand_rgb() turns to RGBA at once.
+bool is_plain_rgb(const ColourEncoding& encoding);
+
+/// `count` pixels, `stride` bytes apart. Alpha is 0 where the pixel is nodata or the file stores nothing
+/// (samples null), else 255. REQUIRES: is_plain_rgb(encoding).
+void expand_rgb(const ColourEncoding& encoding, const std::byte* samples, std::size_t stride,
+                std::size_t count, std::uint8_t* rgba);
+
 /// Puts pixels together from their channels, which may come in any order and in pieces.
 class ColourAssembly {
  public:

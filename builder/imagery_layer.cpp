@@ -7,17 +7,19 @@
 namespace cairn {
 
 Result<BakedTexture> ImageryLayer::bake_leaf(const TileId& id) const {
-  const auto padded = mosaic_.sample(texels_of(id, size_, TileRim::kRim));
+  auto padded = mosaic_.sample(texels_of(id, size_, TileRim::kRim));
   if (!padded) return padded.error();
   BakedTexture baked;
   baked.id = id;
-  baked.image = cropped(*padded, TileRim::kRim, TileRim::kRim, size_, size_);
-  if (is_empty(baked.image)) {
-    baked.image = {};
-    return baked;
-  }
-  baked.rim = TileRim::cut(*padded);
-  return baked;
+  if (is_empty(*padded)) return baked;
+  LinearImage half = halved(*padded);
+  baked.rim = TileRim::cut(*padded, half);
+  baked.image = without_margin(std::move(*padded), TileRim::kRim);
+  baked.half = without_margin(std::move(half), TileRim::kRim / 2);
+  if (!is_empty(baked.image)) return baked;
+  BakedTexture empty;
+  empty.id = id;
+  return empty;
 }
 
 BakedTexture ImageryLayer::open_parent(const TileId& id) const {
@@ -28,9 +30,9 @@ BakedTexture ImageryLayer::open_parent(const TileId& id) const {
 
 void ImageryLayer::take(const BakedTexture& child, BakedTexture& parent) const {
   parent.has_stored = parent.has_stored || child.has_stored;
-  if (child.image.texels.empty()) return;
+  const LinearImage& half = child.half;
+  if (half.texels.empty()) return;
   if (parent.image.texels.empty()) parent.image = LinearImage(size_, size_);
-  const LinearImage half = halved(child.image);
   const int q = quadrant_of(child.id);
   for (int r = 0; r < half.rows; ++r)
     std::copy_n(half.row(r), half.columns,
@@ -40,6 +42,7 @@ void ImageryLayer::take(const BakedTexture& child, BakedTexture& parent) const {
 
 void ImageryLayer::close_parent(BakedTexture& parent) const {
   if (parent.image.texels.empty()) return;
+  parent.half = halved(parent.image);
   std::array<const TileRim*, 4> rims{};
   for (std::size_t q = 0; q < 4; ++q) rims[q] = &parent.child_rims[q];
   parent.rim = TileRim::join(rims, size_);
@@ -54,7 +57,9 @@ Result<std::optional<TileBlock>> ImageryLayer::settle(BakedTexture& tile) const 
   tile.has_stored = true;
   // Where the covered share is too small for a texel, the tile still leads to its descendants.
   if (tile.image.texels.empty()) tile.image = LinearImage(size_, size_);
-  return std::optional<TileBlock>(encode_texture_tile(tile.id, tile.image, tile.rim, options_));
+  if (tile.half.texels.empty()) tile.half = LinearImage(size_ / 2, size_ / 2);
+  return std::optional<TileBlock>(
+      encode_texture_tile(tile.id, std::move(tile.image), tile.half, tile.rim, options_));
 }
 
 void ImageryLayer::append(const BakedTexture& tile, std::vector<std::byte>& out) const {
@@ -81,6 +86,7 @@ Result<BakedTexture> ImageryLayer::read(ByteReader& in) const {
     const auto bytes = in.take(tile.image.texels.size() * sizeof(LinearTexel));
     if (in.ok())
       std::copy_n(bytes.data(), bytes.size(), reinterpret_cast<std::byte*>(tile.image.texels.data()));
+    tile.half = halved(tile.image);
   }
   if (has_rim) tile.rim = TileRim::read_from(in, size_);
   if (!in.ok() || !is_valid(tile.id)) return bad_data("journal: a finished subtree: expected more bytes");

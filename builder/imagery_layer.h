@@ -16,7 +16,8 @@ namespace cairn {
 /// A texture tile on its way up the tree, its descendants done.
 struct BakedTexture {
   TileId id;
-  LinearImage image;  ///< as the mosaic or the children have it; no texels where nothing covers it
+  LinearImage image;  ///< as the mosaic or the children have it; used up once the tile is settled
+  LinearImage half;   ///< its halved(), for mips and parent; no texels where nothing covers the tile
   TileRim rim;
   std::array<TileRim, 4> child_rims;  ///< by quadrant, while the tile waits for its children
   bool has_stored = false;            ///< a descendant is stored

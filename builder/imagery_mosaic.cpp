@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "builder/image_resample.h"
+#include "builder/texel_rows.h"
 
 namespace cairn {
 
@@ -12,48 +13,75 @@ namespace cairn {
 // near its rim, so at the end all weights are raised to what the images cover.
 class ImageStack {
  public:
-  explicit ImageStack(const TexelWindow& window)
-      : window_(window), sum_(count(window)), open_(count(window), 1.0F), bare_(count(window), 1.0F) {}
+  ImageStack(const TexelWindow& window, double feather) : window_(window), feather_(feather) {}
 
   bool is_full() const {
-    return std::all_of(open_.begin(), open_.end(), [](float open) { return open <= 0; });
+    return whole_ ? true : !open_.empty() && std::all_of(open_.begin(), open_.end(), [](float open) {
+      return open <= 0;
+    });
   }
 
-  void add(const ResampledImage& image, double feather) {
-    for (int r = 0; r < image.rows; ++r) {
-      for (int c = 0; c < image.columns; ++c) {
-        const auto from = static_cast<std::size_t>(r * image.columns + c);
-        const auto to = static_cast<std::size_t>((image.row + r) * window_.columns + image.column + c);
-        const float rim = image.rims[from];
-        if (rim < 0) continue;
-        const float fade = feather > 0 ? std::min(1.0F, rim / static_cast<float>(feather)) : 1.0F;
-        const float alpha = image.texels[from][3] / 65535.0F;
-        sum_[to] += image.texels[from] * (open_[to] * fade);
-        open_[to] *= 1 - alpha * fade;
-        bare_[to] *= 1 - alpha;
-      }
+  void add(ResampledImage&& image) {
+    if (sum_.empty() && covers_all(image)) {
+      whole_ = std::move(image.texels);
+      return;
+    }
+    make_room();
+    for (int r = 0; r < image.texels.rows; ++r) {
+      const auto from = static_cast<std::size_t>(r * image.texels.columns);
+      const float* rims = image.rims.empty() ? nullptr : &image.rims[from];
+      add_row(image.texels.row(r), rims, image.texels.columns,
+              static_cast<std::size_t>((image.row + r) * window_.columns + image.column));
     }
   }
 
-  LinearImage finish() const {
+  LinearImage finish() {
+    if (whole_) return std::move(*whole_);
     LinearImage image(window_.columns, window_.rows);
     for (std::size_t i = 0; i < sum_.size(); ++i) {
-      const float covered = 65535.0F * (1 - bare_[i]);
+      const float covered = kOne * (1 - bare_[i]);
       if (!(sum_[i][3] > 0)) continue;
       const float raise = sum_[i][3] < covered ? covered / sum_[i][3] : 1.0F;
       for (std::size_t k = 0; k < 4; ++k)
         image.texels[i][k] =
-            static_cast<std::uint16_t>(std::min(65535.0F, sum_[i][static_cast<int>(k)] * raise + 0.5F));
+            static_cast<std::uint16_t>(std::min(kOne, sum_[i][static_cast<int>(k)] * raise + 0.5F));
     }
     return image;
   }
 
  private:
-  static std::size_t count(const TexelWindow& w) {
-    return static_cast<std::size_t>(w.columns) * static_cast<std::size_t>(w.rows);
+  static constexpr float kOne = 65535;
+
+  bool covers_all(const ResampledImage& image) const {
+    return feather_ == 0 && image.texels.columns == window_.columns && image.texels.rows == window_.rows &&
+           is_opaque(image.texels);
+  }
+
+  void make_room() {
+    if (!sum_.empty()) return;
+    const auto count = static_cast<std::size_t>(window_.columns) * static_cast<std::size_t>(window_.rows);
+    sum_.resize(count);
+    open_.assign(count, 1.0F);
+    bare_.assign(count, 1.0F);
+  }
+
+  void add_row(const LinearTexel* texels, const float* rims, int count, std::size_t to) {
+    for (int c = 0; c < count; ++c, ++to) {
+      const LinearTexel& texel = texels[c];
+      if (texel[3] == 0) continue;
+      const float fade = feather_ > 0 ? std::min(1.0F, rims[c] / static_cast<float>(feather_)) : 1.0F;
+      const float alpha = texel[3] / kOne;
+      const WideTexel wide{static_cast<float>(texel[0]), static_cast<float>(texel[1]),
+                           static_cast<float>(texel[2]), static_cast<float>(texel[3])};
+      sum_[to] += wide * (open_[to] * fade);
+      open_[to] *= 1 - alpha * fade;
+      bare_[to] *= 1 - alpha;
+    }
   }
 
   TexelWindow window_;
+  double feather_;                    // pixels
+  std::optional<LinearImage> whole_;  // the topmost image, where it covers the window
   std::vector<WideTexel> sum_;
   std::vector<float> open_;  // share that shows what lies beneath
   std::vector<float> bare_;  // the same without feathering
@@ -95,6 +123,8 @@ GeoBounds outer_bounds(const RasterInfo& info) {
 // Where tiles overhang the world there is nothing.
 void clear_overhang(const TexelWindow& window, int size, LinearImage& image) {
   const bool wraps = std::fmod(360 * window.texels_per_degree, size) == 0;
+  const GeoBounds b = window.bounds();
+  if (b.south >= -90 && b.north <= 90 && (wraps || (b.west >= -180 && b.east <= 180))) return;
   for (int r = 0; r < image.rows; ++r) {
     const double lat = window.lat_of(r);
     for (int c = 0; c < image.columns; ++c) {
@@ -160,14 +190,14 @@ Status ImageryMosaic::lay(const Image& image, const TexelWindow& window, double 
                           ImageStack& stack) const {
   const auto source = pool_->acquire(image.source);
   if (!source) return source.error();
-  const auto resampled = resample_image(**source, window, turn);
+  auto resampled = resample_image(**source, window, turn, feather_pixels_ > 0);
   if (!resampled) return resampled.error();
-  stack.add(*resampled, feather_pixels_);
+  stack.add(std::move(*resampled));
   return {};
 }
 
 Result<LinearImage> ImageryMosaic::sample(const TexelWindow& window) const {
-  ImageStack stack(window);
+  ImageStack stack(window, feather_pixels_);
   for (const Image& image : images_) {
     for (const double turn : kTurns) {
       GeoBounds turned = window.bounds();

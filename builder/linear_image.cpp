@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstring>
 
 #include "builder/srgb.h"
+#include "builder/texel_rows.h"
 
 namespace cairn {
 
@@ -13,35 +15,38 @@ LinearTexel mean_of(const LinearTexel& a, const LinearTexel& b) {
   return mean;
 }
 
-LinearTexel mean_of(const LinearTexel& a, const LinearTexel& b, const LinearTexel& c, const LinearTexel& d) {
-  LinearTexel mean;
-  for (std::size_t i = 0; i < 4; ++i)
-    mean[i] = static_cast<std::uint16_t>((a[i] + b[i] + c[i] + d[i] + 2) / 4);
-  return mean;
-}
-
 LinearImage halved(const LinearImage& image) {
   assert(image.columns % 2 == 0 && image.rows % 2 == 0);
   LinearImage half(image.columns / 2, image.rows / 2);
-  for (int r = 0; r < half.rows; ++r) {
-    const LinearTexel* north = image.row(2 * r);
-    const LinearTexel* south = image.row(2 * r + 1);
-    LinearTexel* out = half.row(r);
-    for (int c = 0; c < half.columns; ++c)
-      out[c] = mean_of(north[2 * c], north[2 * c + 1], south[2 * c], south[2 * c + 1]);
-  }
+  for (int r = 0; r < half.rows; ++r)
+    texel_rows().halve(image.row(2 * r), image.row(2 * r + 1), static_cast<std::size_t>(half.columns),
+                       half.row(r));
   return half;
 }
 
-LinearImage cropped(const LinearImage& image, int column, int row, int columns, int rows) {
-  LinearImage part(columns, rows);
-  for (int r = 0; r < rows; ++r) std::copy_n(image.row(row + r) + column, columns, part.row(r));
-  return part;
+LinearImage without_margin(LinearImage&& image, int margin) {
+  LinearImage inner;
+  inner.columns = image.columns - 2 * margin;
+  inner.rows = image.rows - 2 * margin;
+  assert(inner.columns > 0 && inner.rows > 0);
+  inner.texels = std::move(image.texels);
+  LinearTexel* to = inner.texels.data();
+  for (int r = 0; r < inner.rows; ++r, to += inner.columns)
+    std::copy_n(inner.texels.data() + (r + margin) * image.columns + margin, inner.columns, to);
+  inner.texels.resize(static_cast<std::size_t>(inner.columns) * static_cast<std::size_t>(inner.rows));
+  return inner;
 }
 
 bool is_empty(const LinearImage& image) {
   return std::all_of(image.texels.begin(), image.texels.end(),
                      [](const LinearTexel& t) { return t[3] == 0; });
+}
+
+// Without a way out of the loop, which then is a wide one.
+bool is_opaque(const LinearImage& image) {
+  std::uint16_t all = 65535;
+  for (const LinearTexel& texel : image.texels) all &= texel[3];
+  return all == 65535;
 }
 
 std::vector<std::uint8_t> to_srgb(const LinearImage& image) {
@@ -50,12 +55,12 @@ std::vector<std::uint8_t> to_srgb(const LinearImage& image) {
   std::uint8_t* out = rgba.data();
   for (const LinearTexel& texel : image.texels) {
     const std::uint32_t alpha = texel[3];
-    for (std::size_t i = 0; i < 3; ++i) {
-      std::uint32_t value = texel[i];
-      if (alpha != 65535 && alpha != 0) value = std::min(65535u, (value * 65535u + alpha / 2) / alpha);
-      out[i] = codes[value];
-    }
-    out[3] = static_cast<std::uint8_t>((alpha + 128) / 257);
+    const auto straight = [&](std::uint32_t value) {
+      return alpha == 65535 || alpha == 0 ? value : std::min(65535u, (value * 65535u + alpha / 2) / alpha);
+    };
+    const std::uint32_t packed = codes[straight(texel[0])] | codes[straight(texel[1])] << 8 |
+                                 codes[straight(texel[2])] << 16 | (alpha + 128) / 257 << 24;
+    std::memcpy(out, &packed, sizeof packed);
     out += 4;
   }
   return rgba;

@@ -31,18 +31,19 @@ struct LinearImage {
   }
 };
 
-/// The mean of two and of four texels, halves rounded up; the order does not matter.
+/// The mean of two texels, halves rounded up; the order does not matter.
 LinearTexel mean_of(const LinearTexel& a, const LinearTexel& b);
-LinearTexel mean_of(const LinearTexel& a, const LinearTexel& b, const LinearTexel& c, const LinearTexel& d);
 
-/// The image at half the size, each texel the mean of 2×2. REQUIRES: even numbers of columns and rows.
+/// The image at half the size, each texel the mean of 2×2, halves rounded up. REQUIRES: even numbers of
+/// columns and rows.
 LinearImage halved(const LinearImage& image);
 
-/// The rectangle from (column, row) on. REQUIRES: it lies in the image.
-LinearImage cropped(const LinearImage& image, int column, int row, int columns, int rows);
+/// The image without `margin` texels on each side. REQUIRES: some are left.
+LinearImage without_margin(LinearImage&& image, int margin);
 
-/// Whether no texel has any coverage.
+/// Whether no texel has any coverage, and whether all have all of it.
 bool is_empty(const LinearImage& image);
+bool is_opaque(const LinearImage& image);
 
 /// R, G, B in sRGB and alpha, 4 bytes a texel, not premultiplied; transparent texels are black.
 std::vector<std::uint8_t> to_srgb(const LinearImage& image);

@@ -1,6 +1,7 @@
 #include "builder/pixel_block.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstring>
 
@@ -37,12 +38,24 @@ std::vector<Run> runs_of(const RasterInfo& info, const PostWindow& window) {
 
 // The border pixels go on to the block's ends. What was read is columns first…last.
 void extend_row(std::uint8_t* row, std::int64_t first, std::int64_t last, std::int64_t columns) {
-  for (std::int64_t c = 0; c < std::min(first, columns); ++c) {
-    if (first < columns) std::memcpy(row + 4 * c, row + 4 * first, 4);
-  }
-  for (std::int64_t c = std::max<std::int64_t>(last + 1, 0); c < columns; ++c) {
-    if (last >= 0) std::memcpy(row + 4 * c, row + 4 * last, 4);
-  }
+  for (std::int64_t c = 0; c < first; ++c) std::memcpy(row + 4 * c, row + 4 * first, 4);
+  for (std::int64_t c = last + 1; c < columns; ++c) std::memcpy(row + 4 * c, row + 4 * last, 4);
+}
+
+// Reads a run's rows first…last of the raster into the block.
+Status read_run(const RasterSource& source, const Run& run, std::int64_t first, std::int64_t last,
+                PixelBlock& block) {
+  const PostWindow window{run.from, first, run.count, last - first + 1};
+  const auto bytes = static_cast<std::size_t>(4 * window.columns * window.rows);
+  std::uint8_t* to = block.rgba.data() + 4 * ((first - block.row) * block.columns + run.to);
+  if (run.count == block.columns) return source.read_colours(window, {to, bytes});
+  std::vector<std::uint8_t> piece(bytes);
+  if (auto status = source.read_colours(window, piece); !status) return status;
+  const auto row_bytes = static_cast<std::size_t>(4 * run.count);
+  for (std::int64_t r = 0; r < window.rows; ++r)
+    std::memcpy(to + 4 * r * block.columns, piece.data() + static_cast<std::size_t>(r) * row_bytes,
+                row_bytes);
+  return {};
 }
 
 }  // namespace
@@ -57,32 +70,21 @@ Result<PixelBlock> read_block(const RasterSource& source, const PostWindow& wind
   const RasterInfo& info = source.info();
   PixelBlock block{window.column, window.row, window.columns, window.rows, {}};
   block.rgba.resize(static_cast<std::size_t>(4 * window.columns * window.rows));
-  const std::int64_t north = std::clamp<std::int64_t>(window.row, 0, info.rows - 1);
-  const std::int64_t south = std::clamp<std::int64_t>(window.row + window.rows - 1, 0, info.rows - 1);
+  const std::int64_t first = std::max<std::int64_t>(window.row, 0);
+  const std::int64_t last = std::min(window.row + window.rows, info.rows) - 1;
+  assert(first <= last);
+  const std::vector<Run> runs = runs_of(info, window);
+  for (const Run& run : runs) {
+    if (auto status = read_run(source, run, first, last, block); !status) return status.error();
+  }
   const auto row_at = [&](std::int64_t r) {
     return block.rgba.data() + 4 * (r - window.row) * window.columns;
   };
-
-  std::vector<std::uint8_t> piece;
-  const std::vector<Run> runs = runs_of(info, window);
-  for (const Run& run : runs) {
-    piece.resize(static_cast<std::size_t>(4 * run.count * (south - north + 1)));
-    if (auto status = source.read_colours({run.from, north, run.count, south - north + 1}, piece); !status)
-      return status.error();
-    const std::int64_t skip = std::max<std::int64_t>(0, -run.to);
-    const std::int64_t count = std::min(run.to + run.count, window.columns) - (run.to + skip);
-    if (count <= 0) continue;
-    for (std::int64_t r = std::max(north, window.row); r <= std::min(south, window.row + window.rows - 1);
-         ++r)
-      std::memcpy(row_at(r) + 4 * (run.to + skip), piece.data() + 4 * ((r - north) * run.count + skip),
-                  static_cast<std::size_t>(4 * count));
-  }
-  const std::int64_t first = runs.front().to, last = runs.back().to + runs.back().count - 1;
-  for (std::int64_t r = std::max(north, window.row); r <= std::min(south, window.row + window.rows - 1); ++r)
-    extend_row(row_at(r), first, last, window.columns);
+  const std::int64_t west = runs.front().to, east = runs.back().to + runs.back().count - 1;
+  for (std::int64_t r = first; r <= last; ++r) extend_row(row_at(r), west, east, window.columns);
   const auto row_bytes = static_cast<std::size_t>(4 * window.columns);
   for (std::int64_t r = window.row; r < window.row + window.rows; ++r) {
-    if (r < north || r > south) std::memcpy(row_at(r), row_at(r < north ? north : south), row_bytes);
+    if (r < first || r > last) std::memcpy(row_at(r), row_at(r < first ? first : last), row_bytes);
   }
   return block;
 }

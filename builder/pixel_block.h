@@ -26,7 +26,7 @@ struct PixelBlock {
 /// Whether the raster's columns go once around the Earth, so that the first follows the last.
 bool goes_around(const RasterInfo& info);
 
-/// Reads a block; columns wrap where the raster goes around the Earth.
+/// Reads a block; columns wrap where the raster goes around the Earth. REQUIRES: it overlaps the raster.
 Result<PixelBlock> read_block(const RasterSource& source, const PostWindow& window);
 
 }  // namespace cairn

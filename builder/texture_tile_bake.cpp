@@ -36,47 +36,81 @@ bool is_one_colour(const std::vector<Rgba>& mips) {
 
 bool is_opaque(const std::vector<Rgba>& mips) {
   return std::all_of(mips.begin(), mips.end(), [](const Rgba& mip) {
-    std::uint8_t all = 255;
-    for (std::size_t i = 3; i < mip.size(); i += 4) all &= mip[i];
-    return all == 255;
+    std::uint32_t all = ~0u;
+    for (std::size_t i = 0; i < mip.size(); i += 4) {
+      std::uint32_t texel = 0;
+      std::memcpy(&texel, &mip[i], sizeof texel);
+      all &= texel;
+    }
+    return all >> 24 == 255;
   });
 }
 
-std::int32_t psnr_of(const Rgba& before, const Rgba& after, bool with_alpha) {
-  const std::size_t channels = with_alpha ? 4 : 3;
-  std::uint64_t sum = 0, count = 0;
+struct SquaredError {
+  std::uint64_t sum = 0;
+  std::uint64_t count = 0;
+};
+
+// Opaque texels' alphas are equal and add nothing. Rows of 32-bit sums: a row of 4·512 squares fits.
+SquaredError opaque_error(const Rgba& before, const Rgba& after) {
+  constexpr std::size_t kRun = 2048;
+  SquaredError error{0, before.size() / 4 * 3};
+  for (std::size_t at = 0; at < before.size(); at += kRun) {
+    std::uint32_t sum = 0;
+    for (std::size_t i = at; i < std::min(at + kRun, before.size()); ++i) {
+      const int difference = before[i] - after[i];
+      sum += static_cast<std::uint32_t>(difference * difference);
+    }
+    error.sum += sum;
+  }
+  return error;
+}
+
+SquaredError visible_error(const Rgba& before, const Rgba& after) {
+  SquaredError error;
   for (std::size_t i = 0; i < before.size(); i += 4) {
     if (before[i + 3] == 0) continue;
-    for (std::size_t k = 0; k < channels; ++k) {
-      const int error = before[i + k] - after[i + k];
-      sum += static_cast<std::uint64_t>(error * error);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const int difference = before[i + k] - after[i + k];
+      error.sum += static_cast<std::uint64_t>(difference * difference);
     }
-    count += channels;
+    error.count += 4;
   }
-  if (sum == 0) return kNoTextureError;
-  const double mse = static_cast<double>(sum) / static_cast<double>(count);
+  return error;
+}
+
+std::int32_t psnr_of(const Rgba& before, const Rgba& after, bool opaque) {
+  const SquaredError error = opaque ? opaque_error(before, after) : visible_error(before, after);
+  if (error.sum == 0) return kNoTextureError;
+  const double mse = static_cast<double>(error.sum) / static_cast<double>(error.count);
   return static_cast<std::int32_t>(std::lround(1000 * std::min(99.0, 10 * std::log10(255.0 * 255.0 / mse))));
 }
 
 }  // namespace
 
-std::vector<Rgba> mip_chain(const LinearImage& image, const TileRim& rim) {
+std::vector<Rgba> mip_chain(LinearImage&& image, const LinearImage& half, const TileRim& rim) {
+  const int size = image.columns;
   std::vector<Rgba> mips;
-  LinearImage mip = image;
-  for (int number = 0;; ++number) {
-    LinearImage agreed = mip;
-    rim.agree(number, agreed);
-    mips.push_back(to_srgb(agreed));
-    if (mip.columns == 1) break;
-    mip = halved(mip);
+  const auto add = [&](LinearImage& mip) {
+    rim.agree(static_cast<int>(mips.size()), mip);
+    mips.push_back(to_srgb(mip));
+  };
+  add(image);
+  for (LinearImage mip = half;;) {
+    LinearImage next = mip.columns > 1 ? halved(mip) : LinearImage();
+    add(mip);
+    if (next.texels.empty()) break;
+    mip = std::move(next);
   }
-  for (std::size_t m = mips.size() - 1; m-- > 0;) fill_from(mips[m + 1], image.columns >> m, mips[m]);
+  if (is_opaque(mips)) return mips;
+  for (std::size_t m = mips.size() - 1; m-- > 0;) fill_from(mips[m + 1], size >> m, mips[m]);
   return mips;
 }
 
-TileBlock encode_texture_tile(const TileId& id, const LinearImage& image, const TileRim& rim,
-                              const ImageryOptions& options) {
-  const std::vector<Rgba> mips = mip_chain(image, rim);
+TileBlock encode_texture_tile(const TileId& id, LinearImage&& image, const LinearImage& half,
+                              const TileRim& rim, const ImageryOptions& options) {
+  const int size = image.columns;
+  const std::vector<Rgba> mips = mip_chain(std::move(image), half, rim);
   TileBlock out;
   out.entry.layer = Layer::imagery;
   out.entry.id = id;
@@ -89,7 +123,7 @@ TileBlock encode_texture_tile(const TileId& id, const LinearImage& image, const 
     return out;
   }
   const bool needs_alpha = !opaque && options.format == TextureFormat::bc1;
-  TextureTile tile{needs_alpha ? TextureFormat::bc3 : options.format, image.columns, {}};
+  TextureTile tile{needs_alpha ? TextureFormat::bc3 : options.format, size, {}};
   tile.texels.reserve(texture_chain_bytes(tile.format, tile.size));
   for (std::size_t m = 0; m < mips.size(); ++m)
     encode_texture(tile.format, options.quality, mips[m], tile.size >> m, tile.size >> m, tile.texels);
@@ -98,7 +132,7 @@ TileBlock encode_texture_tile(const TileId& id, const LinearImage& image, const 
   const auto first = std::span(tile.texels).first(texture_image_bytes(tile.format, tile.size));
   const Status status = decode_texture(tile.format, first, tile.size, tile.size, decoded);
   assert(status.ok());
-  out.entry.max_quanta = status.ok() ? psnr_of(mips[0], decoded, !opaque) : 0;
+  out.entry.max_quanta = status.ok() ? psnr_of(mips[0], decoded, opaque) : 0;
   out.block = encode_texture_block(tile);
   return out;
 }

@@ -67,6 +67,13 @@ Result<ColourEncoding> colours_of_tiff(const TiffLayout& layout, std::optional<d
 Status read_tiff_colours(const TiffImage& image, const ColourEncoding& encoding, const PostWindow& window,
                          std::span<std::uint8_t> rgba) {
   const TiffLayout& layout = image.layout();
+  if (!layout.planar && is_plain_rgb(encoding)) {
+    const auto pixel_bytes = static_cast<std::size_t>(layout.bands);
+    return image.visit(window, 0, [&](const TiffImage::Run& run) {
+      expand_rgb(encoding, run.samples, pixel_bytes, static_cast<std::size_t>(run.count),
+                 &rgba[4 * static_cast<std::size_t>(run.row * window.columns + run.column)]);
+    });
+  }
   ColourAssembly assembly(encoding, rgba);
   const auto wanted = [&](int channel) {
     for (const int c : encoding.channels)

@@ -67,6 +67,7 @@ Result<std::unique_ptr<TiffImage>> TiffImage::open(const std::filesystem::path& 
   image->swapped_ = TIFFIsByteSwapped(handle.get()) != 0;
   if (auto table = image->read_chunk_table(handle); !table) return table.error();
   const auto chunk_bytes = decoded_row_bytes(l) * static_cast<std::size_t>(l.chunk_rows);
+  image->kept_ = image->stored_ && l.tiled && l.samples_together() >= 3 && chunk_bytes <= cache_bytes / 8;
   image->through_scratch_ = !image->stored_ && !l.tiled && chunk_bytes > cache_bytes / 2;
   return image;
 }
@@ -118,7 +119,7 @@ Status TiffImage::visit(const PostWindow& w, int plane, const std::function<void
       part.window_row = top + part.row - w.row;
       part.image_row = top + part.row;
       part.chunk_rows = l.tiled ? l.chunk_rows : std::min(l.chunk_rows, l.rows - top);
-      const Status visited = stored_            ? visit_stored(part, run)
+      const Status visited = stored_ && !kept_  ? visit_stored(part, run)
                              : through_scratch_ ? visit_scratch(part, run)
                                                 : visit_decoded(part, run);
       if (!visited) return visited;
@@ -168,7 +169,15 @@ Status TiffImage::visit_decoded(const Part& part, const std::function<void(const
   return {};
 }
 
+Result<std::vector<std::byte>> TiffImage::read_chunk(std::int64_t chunk, std::int64_t rows) const {
+  std::vector<std::byte> bytes(static_cast<std::size_t>(rows) * decoded_row_bytes(layout_));
+  if (auto read = file_.read_at(offsets_[static_cast<std::size_t>(chunk)], bytes); !read) return read.error();
+  if (swapped_) swap_bytes(bytes.data(), bytes.size() / size_of(layout_.type), size_of(layout_.type));
+  return bytes;
+}
+
 Result<std::vector<std::byte>> TiffImage::decode_chunk(std::int64_t chunk, std::int64_t rows) const {
+  if (stored_) return read_chunk(chunk, rows);
   auto handle = handles_.take();
   if (!handle) return handle.error();
   std::vector<std::byte> bytes(static_cast<std::size_t>(rows * packed_row_bytes(layout_)));

@@ -39,8 +39,8 @@ struct TiffLayout {
 };
 
 /// The pixels of one directory of a TIFF or BigTIFF, in their own type, without geography. Safe for several
-/// threads at once. Plain strips and tiles are read straight from the file; packed ones through a cache of
-/// decoded ones; a strip too large for the cache is unpacked once, row by row, to scratch.
+/// threads at once. Plain strips and tiles are read straight from the file; packed ones, and plain tiles of
+/// colours, through a cache; a strip too large for the cache is unpacked once, row by row, to scratch.
 class TiffImage {
  public:
   static Result<std::unique_ptr<TiffImage>> open(const std::filesystem::path& path, const TiffHandle& handle,
@@ -67,6 +67,7 @@ class TiffImage {
   Status visit_stored(const Part& part, const std::function<void(const Run&)>& run) const;
   Status visit_decoded(const Part& part, const std::function<void(const Run&)>& run) const;
   Status visit_scratch(const Part& part, const std::function<void(const Run&)>& run) const;
+  Result<std::vector<std::byte>> read_chunk(std::int64_t chunk, std::int64_t rows) const;
   Result<std::vector<std::byte>> decode_chunk(std::int64_t chunk, std::int64_t rows) const;
   Status unpack_to_scratch() const;
   std::string place_of_chunk(std::int64_t chunk) const;
@@ -76,6 +77,7 @@ class TiffImage {
   TiffLayout layout_;
   bool stored_ = false;   // neither packed nor of odd bits: bytes of the file are samples
   bool swapped_ = false;  // in the other byte order, which matters to stored_ only
+  bool kept_ = false;     // stored_, but windows of colours overlap: read once and cached
   bool through_scratch_ = false;
   std::size_t cache_bytes_;
   std::vector<std::uint64_t> offsets_;

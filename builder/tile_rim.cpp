@@ -29,12 +29,13 @@ LinearTexel read_texel(ByteReader& in) {
 
 }  // namespace
 
-TileRim TileRim::cut(const LinearImage& padded) {
+TileRim TileRim::cut(const LinearImage& padded, const LinearImage& half) {
   TileRim rim;
   rim.lines_.resize(4);
   rim.corners_.resize(4);
-  LinearImage image = padded;
+  LinearImage smaller;
   for (int margin = kRim; margin >= 1; margin /= 2) {
+    const LinearImage& image = margin == kRim ? padded : margin == kRim / 2 ? half : smaller;
     const int size = image.columns - 2 * margin, last = margin + size - 1;
     const auto at = [&](int c, int r) { return image.row(r)[c]; };
     std::array<std::vector<Pair>, 4> line;
@@ -50,7 +51,7 @@ TileRim TileRim::cut(const LinearImage& padded) {
       const int beside = q & 1 ? c + 1 : c - 1, beyond = q & 2 ? r - 1 : r + 1;
       rim.corners_[q].push_back({at(c, r), at(beside, r), at(c, beyond), at(beside, beyond)});
     }
-    if (margin > 1) image = halved(image);
+    if (margin > 1 && margin < kRim) smaller = halved(image);
   }
   for (Mips& mips : rim.lines_) {
     while (mips.back().size() > 1) mips.push_back(halved_line(mips.back()));

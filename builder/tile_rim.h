@@ -23,8 +23,8 @@ class TileRim {
 
   TileRim() = default;
 
-  /// The rim of a finest tile. `padded` is the tile with kRim texels around it.
-  static TileRim cut(const LinearImage& padded);
+  /// The rim of a finest tile. `padded` is the tile with kRim texels around it, `half` its halved().
+  static TileRim cut(const LinearImage& padded, const LinearImage& half);
 
   /// The rim of a tile from those of its children, by quadrant (bit 0 east, bit 1 north); null where there is
   /// none.

@@ -62,7 +62,7 @@ std::vector<std::byte> encode_height_block(const HeightTile& tile, const HeightC
   out.write(std::uint16_t{0});
   if (has_voids) {
     std::vector<std::byte> frame;
-    append_zstd_frame(pack_bits(tile.voids), kMaskLevel, frame);
+    append_zstd_frame(pack_bits(tile.voids), {.level = kMaskLevel}, frame);
     out.write(static_cast<std::uint32_t>(frame.size()));
     out.append(frame);
   }

@@ -1,17 +1,31 @@
 #include "format/zstd_frame.h"
 
 #include <cassert>
+#include <memory>
 #include <string>
 
 #include <zstd.h>
 
 namespace cairn {
 
-void append_zstd_frame(std::span<const std::byte> plain, int level, std::vector<std::byte>& out) {
+namespace {
+
+struct FreeContext {
+  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+};
+
+}  // namespace
+
+void append_zstd_frame(std::span<const std::byte> plain, const ZstdSearch& search,
+                       std::vector<std::byte>& out) {
+  const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, search.level);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_hashLog, search.hash_log);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_minMatch, search.min_match);
   const std::size_t start = out.size();
   out.resize(start + ZSTD_compressBound(plain.size()));
   const std::size_t used =
-      ZSTD_compress(out.data() + start, out.size() - start, plain.data(), plain.size(), level);
+      ZSTD_compress2(context.get(), out.data() + start, out.size() - start, plain.data(), plain.size());
   assert(!ZSTD_isError(used));
   out.resize(start + used);
 }
