@@ -127,4 +127,12 @@ struct LodMethodInfo {
 /// All methods, in the order of their files' names.
 std::span<const LodMethodInfo* const> lod_methods();
 
+/// The method of this name; null if there is none.
+inline const LodMethodInfo* lod_method(std::string_view name) {
+  for (const LodMethodInfo* method : lod_methods()) {
+    if (method->name == name) return method;
+  }
+  return nullptr;
+}
+
 }  // namespace cairn

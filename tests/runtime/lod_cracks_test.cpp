@@ -49,7 +49,7 @@ TEST_CASE("A mesh with a corner moved, a triangle missing or turned is found fau
   LodScenes scenes;
   std::mt19937 random(3);
   const LodScene scene = scenes.around({7.6, 46.2}, random);
-  const auto full = lod_methods()[0]->create({});
+  const auto full = lod_method("full")->create({});
   full->prepare(scene);
   const LodMesh good = full->build(scene, {{}, 1, false});
   REQUIRE(find_faults(scene, good).cracks == 0);

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "format/status.h"
+#include "runtime/lab/lab_terrain.h"
+#include "runtime/lod/mesh/screen.h"
+#include "runtime/lod_method.h"
+
+namespace cairn {
+
+/// A mesh with its vertices' places, so that it can be projected again from the next frame's camera.
+struct PlacedMesh {
+  std::vector<TileId> areas;                       ///< of each tile's mesh
+  std::vector<std::vector<glm::dvec3>> positions;  ///< geocentric metres
+  LodMesh mesh;
+};
+PlacedMesh place(const LodScene& scene, LodMesh mesh, int threads);
+
+/// What the measure finds in one picture, in pixels.
+struct ScreenError {
+  double max_px = 0;
+  double rms_px = 0;
+  std::uint64_t samples = 0;  ///< finest samples in the picture
+  std::uint64_t holes = 0;    ///< of these, where the mesh has nothing, or nothing in front of the eye
+  double max_pop_px = 0;      ///< how far the mesh's point at a sample is from where the mesh before had it,
+                              ///< both as seen now: what moves without the camera
+  LatticePoint worst;         ///< the sample of max_px
+};
+
+/// The finest surface as one camera sees it: every sample that is not void, in the picture and above the
+/// horizon, where it is on the picture. Terrain in front hides nothing.
+///
+/// The measure is the distance on the picture between a sample and the mesh's point at the same longitude and
+/// latitude, on the plane of the triangle there (design §1). Kept in single precision from the picture's
+/// middle: good to 1e-4 px. Samples less than a metre in front of the eye do not count.
+class FinestPicture {
+ public:
+  static Result<FinestPicture> of(LabTerrain& terrain, const ViewState& view, int threads);
+
+  /// Against a mesh, and popping against the one before if there is one.
+  ScreenError measure(const PlacedMesh& mesh, const PlacedMesh* before) const;
+
+ private:
+  struct Pixel {
+    float u = 0;
+    float v = 0;
+  };
+  struct Leaf {
+    LatticePoint corner;
+    TileId area;
+    std::int64_t spacing = 0;
+    int side = 0;                ///< samples along a side
+    std::vector<Pixel> samples;  ///< NaN: not in the picture
+  };
+  struct Projected;
+  struct Tally;
+
+  FinestPicture(const ViewState& view, int threads) : view_(view), screen_(view), threads_(threads) {}
+  bool fill(Leaf& leaf, const HeightTile& heights, const TileId& source, double quantum_m,
+            const Occluder& occluder) const;
+  Projected project(const PlacedMesh& mesh) const;
+  void draw(const Projected& mesh, const Leaf& leaf, std::vector<Pixel>& out) const;
+  void compare(const Leaf& leaf, const std::vector<Pixel>& now, const std::vector<Pixel>* before,
+               Tally& tally) const;
+
+  ViewState view_;
+  Screen screen_;
+  int threads_;
+  std::vector<Leaf> leaves_;
+};
+
+}  // namespace cairn

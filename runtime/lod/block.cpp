@@ -1,0 +1,73 @@
+// [1, §3] Agrawal et al., TREND: blocks of 17×17 samples with a pyramid of four levels (17, 9, 5, 3 samples a
+// side), each block with the coarsest whose error on the picture is at most τ, decided from a table made when
+// the tile is loaded (de Boer 2000); frustum culling by block; long strips. The error is projected at the
+// distance of the block's box, f·e/d, as de Boer does: he leaves the angle out, which is exact in the
+// picture's middle and up to 1/cos² too small towards its corners. A block's errors are measured with the
+// chords of the Earth's curvature. The tile's own error against finer ones does not count, so no tolerance is
+// promised.
+
+#include <algorithm>
+
+#include "runtime/lod/mesh/conform.h"
+#include "runtime/lod/mesh/cpu_clock.h"
+#include "runtime/lod/mesh/patches.h"
+#include "runtime/lod/mesh/screen.h"
+#include "runtime/lod/mesh/tile_culling.h"
+
+namespace cairn {
+namespace {
+
+constexpr int kBlockCells = 16;
+constexpr int kPyramidLevels = 4;
+
+class Block : public LodMethod {
+ public:
+  void prepare(const LodScene& scene) override { blocks_.prepare(scene); }
+  std::uint64_t prepared_bytes() const override { return blocks_.bytes(); }
+
+  LodMesh build(const LodScene& scene, const LodView& view) override {
+    const double start = thread_cpu_s();
+    const std::vector<ChosenPatch> chosen = choose(scene, view);
+    const double selected = thread_cpu_s();
+    LodMesh mesh;
+    append_patches(scene, chosen, mesh);
+    conform(scene, mesh);
+    mesh.selection_s = selected - start;
+    mesh.building_s = thread_cpu_s() - selected;
+    return mesh;
+  }
+
+ private:
+  std::vector<ChosenPatch> choose(const LodScene& scene, const LodView& view) const {
+    const Screen screen(view.view);
+    const ViewVolume volume(view.view, Occluder(scene.lowest_m));
+    std::vector<ChosenPatch> chosen;
+    for (const std::size_t index : tiles_in_view(scene, view)) {
+      for (const Patch& block : blocks_.of(scene.tiles[index])) {
+        if (view.cull && !volume.sees(block.volume)) continue;
+        const double distance_m = block.volume.distance_m(screen.camera().position);
+        const double allowed_m = view.tolerance_px * distance_m / screen.pixels_per_radian();
+        chosen.push_back({index, &block, step_within(block, allowed_m)});
+      }
+    }
+    return chosen;
+  }
+
+  static int step_within(const Patch& block, double allowed_m) {
+    int step = static_cast<int>(block.errors_m.size()) - 1;
+    while (step > 0 && static_cast<double>(block.errors_m[static_cast<std::size_t>(step)]) > allowed_m)
+      --step;
+    return step;
+  }
+
+  Patches blocks_{kBlockCells, kPyramidLevels};
+};
+
+}  // namespace
+
+extern const LodMethodInfo block_lod_method;
+const LodMethodInfo block_lod_method{"block", false, [](const LodOptions&) -> std::unique_ptr<LodMethod> {
+                                       return std::make_unique<Block>();
+                                     }};
+
+}  // namespace cairn

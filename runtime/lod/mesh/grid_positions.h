@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "runtime/lattice.h"
+
+namespace cairn {
+
+/// Geocentric positions of a square grid of places: the sines and cosines of each column and row are worked
+/// out once. Errors are some nanometres.
+class GridPositions {
+ public:
+  /// `side` columns and rows from the corner to the east and the north.
+  GridPositions(const LatticePoint& corner, std::int64_t spacing, int side);
+
+  glm::dvec3 at(int column, int row, double height_m) const {
+    const Row& r = rows_[static_cast<std::size_t>(row)];
+    const Column& c = columns_[static_cast<std::size_t>(column)];
+    const double across = (r.normal + height_m) * r.cosine;
+    return {across * c.cosine, across * c.sine, (r.polar_normal + height_m) * r.sine};
+  }
+
+  std::uint64_t bytes() const { return columns_.size() * sizeof(Column) + rows_.size() * sizeof(Row); }
+
+ private:
+  struct Column {
+    double cosine, sine;
+  };
+  struct Row {
+    double cosine, sine;
+    double normal;        ///< radius of curvature in the prime vertical, metres
+    double polar_normal;  ///< the same times (b/a)²
+  };
+  std::vector<Column> columns_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace cairn
