@@ -20,8 +20,13 @@ void take_child(const HeightTile& child, int quadrant, HeightTile& parent) {
   for (std::size_t row = 0; row <= half; ++row) {
     const std::size_t from = 2 * row * size;
     const std::size_t to = (north + row) * size + east;
+    if (child.voids.empty()) {
+      for (std::size_t c = 0; c <= half; ++c) parent.samples[to + c] = child.samples[from + 2 * c];
+      std::fill_n(parent.voids.begin() + static_cast<std::ptrdiff_t>(to), half + 1, std::uint8_t{0});
+      continue;
+    }
     for (std::size_t c = 0; c <= half; ++c) {
-      if (!child.voids.empty() && child.voids[from + 2 * c] != 0) continue;
+      if (child.voids[from + 2 * c] != 0) continue;
       parent.samples[to + c] = child.samples[from + 2 * c];
       parent.voids[to + c] = 0;
     }

@@ -1,11 +1,12 @@
 #include "builder/geometric_error.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "format/wide.h"
 
 namespace cairn {
 namespace {
@@ -46,23 +47,6 @@ class SurfaceMeter {
       if (std::isnan(heights[c])) continue;
       visit(c, std::abs(at(columns[c]) - static_cast<double>(heights[c])));
     }
-  }
-
-  // The largest error of a row's posts, where the tile has no voids; NaN heights count for nothing.
-  double worst_of_row(double y, const std::vector<Between>& columns, const float* heights) {
-    interpolate_row(between(y, levels_, last_));
-    // Four chains, so that one comparison need not wait for the last.
-    std::array<double, 4> worst{};
-    const auto note = [&](std::size_t c, double& chain) {
-      const double error = std::abs(at(columns[c]) - static_cast<double>(heights[c]));
-      chain = error > chain ? error : chain;
-    };
-    std::size_t c = 0;
-    for (; c + worst.size() <= columns.size(); c += worst.size()) {
-      for (std::size_t k = 0; k < worst.size(); ++k) note(c + k, worst[k]);
-    }
-    for (; c < columns.size(); ++c) note(c, worst[0]);
-    return *std::max_element(worst.begin(), worst.end());
   }
 
   double error_at(double x, double y, float height) {
@@ -109,18 +93,6 @@ class SurfaceMeter {
   std::vector<double> row_;
 };
 
-SurfaceError measure_rows(const HeightTile& tile, double quantum_m, int levels, const MeasuredPosts& posts) {
-  SurfaceMeter meter(tile, quantum_m, levels);
-  std::vector<Between> columns;
-  for (const double x : posts.xs) columns.push_back(meter.column(x));
-  SurfaceError result;
-  for (std::size_t r = 0; r < posts.ys.size(); ++r) {
-    const float* heights = posts.heights.data() + r * columns.size();
-    result.max_m = std::max(result.max_m, meter.worst_of_row(posts.ys[r], columns, heights));
-  }
-  return result;
-}
-
 template <class Visit>
 SurfaceError measure(const HeightTile& tile, double quantum_m, int levels, const MeasuredPosts& posts,
                      const Visit& visit) {
@@ -145,11 +117,55 @@ SurfaceError measure(const HeightTile& tile, double quantum_m, int levels, const
   return result;
 }
 
+CAIRN_WIDE bool are_equal(const std::int32_t* quanta, std::size_t count, double quantum_m,
+                          const float* heights) {
+  int differ = 0;  // no early end, so that the loop is one of vectors
+  for (std::size_t i = 0; i < count; ++i)
+    differ |= quanta[i] * quantum_m != static_cast<double>(heights[i]) ? 1 : 0;
+  return differ == 0;
+}
+
+// Whether the tile has every post's height to the last bit, a post on each sample.
+bool is_copy_of(const HeightTile& tile, double quantum_m, const MeasuredPosts& posts) {
+  const auto on_samples = [&](const std::vector<double>& at) {
+    if (at.size() != static_cast<std::size_t>(tile.size)) return false;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      if (at[i] != static_cast<double>(i)) return false;
+    }
+    return true;
+  };
+  if (!tile.voids.empty() || !posts.placed.empty() || !on_samples(posts.xs) || !on_samples(posts.ys))
+    return false;
+  return are_equal(tile.samples.data(), tile.samples.size(), quantum_m, posts.heights.data());
+}
+
+void note_in_group(double x, double y, double error, int groups, PostErrors& errors) {
+  if (errors.groups.empty())
+    errors.groups.assign(static_cast<std::size_t>(groups) * static_cast<std::size_t>(groups), 0);
+  const int column = PostErrors::group_of(x, groups);
+  const int row = PostErrors::group_of(y, groups);
+  float& most = errors.groups[static_cast<std::size_t>(row) * static_cast<std::size_t>(groups) +
+                              static_cast<std::size_t>(column)];
+  if (error > static_cast<double>(most)) most = std::nextafter(static_cast<float>(error), HUGE_VALF);
+}
+
 }  // namespace
+
+std::uint64_t PostCounting::count(const MeasuredPosts& posts) const {
+  const auto beyond = std::find_if(posts.xs.begin(), posts.xs.end(),
+                                   [&](double x) { return (x - x0) * scale >= window.columns - 1; });
+  const auto inside = static_cast<std::size_t>(beyond - posts.xs.begin());
+  std::uint64_t counted = 0;
+  for (const double y : posts.ys) {
+    const std::size_t sure = (y - y0) * scale < window.rows - 1 ? inside : 0;
+    counted += sure;
+    for (std::size_t c = sure; c < posts.xs.size(); ++c) counted += counts(posts.xs[c], y) ? 1 : 0;
+  }
+  return counted;
+}
 
 SurfaceError measure_surface(const HeightTile& tile, double quantum_m, int levels,
                              const MeasuredPosts& posts) {
-  if (tile.voids.empty() && posts.placed.empty()) return measure_rows(tile, quantum_m, levels, posts);
   return measure(tile, quantum_m, levels, posts, [](double, double, double) {});
 }
 
@@ -157,6 +173,19 @@ SurfaceError measure_surface(const HeightTile& tile, double quantum_m, int level
                              const PostCounting& counting, PostStats& stats) {
   return measure(tile, quantum_m, levels, posts, [&](double x, double y, double error) {
     if (counting.counts(x, y)) stats.add(error, [&] { return counting.place(x, y); });
+  });
+}
+
+SurfaceError measure_own_surface(const HeightTile& tile, double quantum_m, const MeasuredPosts& posts,
+                                 const PostCounting& counting, PostStats& stats, PostErrors& errors) {
+  if (is_copy_of(tile, quantum_m, posts)) {
+    stats.add_exact(counting.count(posts));
+    return {};
+  }
+  const int groups = (tile.size - 1) / 2;
+  return measure(tile, quantum_m, 0, posts, [&](double x, double y, double error) {
+    if (counting.counts(x, y)) stats.add(error, [&] { return counting.place(x, y); });
+    if (error > 0) note_in_group(x, y, error, groups, errors);
   });
 }
 

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
 #include "builder/post_stats.h"
 #include "builder/sample_window.h"
 #include "builder/source_group.h"
@@ -17,6 +21,15 @@ struct SurfaceError {
 /// in between (levels 0 is the tile itself). REQUIRES: 2^levels divides tile.size - 1.
 SurfaceError measure_surface(const HeightTile& tile, double quantum_m, int levels,
                              const MeasuredPosts& posts);
+
+/// The largest error of the posts in each 2×2 group of a tile's cells: metres, rows south to north. No
+/// groups: every post's error is 0.
+struct PostErrors {
+  std::vector<float> groups;  ///< ((N-1)/2)², each rounded up
+
+  /// In which of the groups along an axis a post lies.
+  static int group_of(double at, int groups) { return std::min(static_cast<int>(at) / 2, groups - 1); }
+};
 
 /// Which of a tile's posts are the tile's to count, so that each post is counted once: those on its west and
 /// south edges, and on the others where no tile lies beyond.
@@ -43,6 +56,9 @@ struct PostCounting {
     if (north && x <= 0) return count_north_west;
     return east ? count_east : count_north;
   }
+  /// How many posts of a lattice are counted if all have heights.
+  std::uint64_t count(const MeasuredPosts& posts) const;
+
   LonLat place(double surface_x, double surface_y) const {
     const double x = (surface_x - x0) * scale;
     const double y = (surface_y - y0) * scale;
@@ -54,5 +70,10 @@ struct PostCounting {
 /// The same, every post's error also counted in `stats` if the post is this tile's to count.
 SurfaceError measure_surface(const HeightTile& tile, double quantum_m, int levels, const MeasuredPosts& posts,
                              const PostCounting& counting, PostStats& stats);
+
+/// Measures the tile itself, counts every post's error that is the tile's to count, and notes the errors by
+/// group for AncestorErrors. `groups` starts without any.
+SurfaceError measure_own_surface(const HeightTile& tile, double quantum_m, const MeasuredPosts& posts,
+                                 const PostCounting& counting, PostStats& stats, PostErrors& errors);
 
 }  // namespace cairn

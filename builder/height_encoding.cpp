@@ -1,11 +1,14 @@
 #include "builder/height_encoding.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 #include <type_traits>
+
+#include "format/wide.h"
 
 namespace cairn {
 namespace {
@@ -55,7 +58,9 @@ float integer_height(T v, const Nodata<T>& nodata, double scale, double offset) 
   if constexpr (Scaled || sizeof(T) > 2) {
     if (!(std::abs(metres) < static_cast<float>(kImpossibleHeight))) return kVoid;
   }
-  return is_void ? kVoid : metres;
+  // NaN by setting its bits: a choice would become a branch, and the loop one of single samples.
+  constexpr std::uint32_t kNaN = 0x7FC00000;
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(metres) | ((0U - std::uint32_t{is_void}) & kNaN));
 }
 
 template <class T>
@@ -79,15 +84,18 @@ void decode_floating(const HeightEncoding& e, const std::byte* samples, std::siz
 }
 
 template <class T, bool Scaled, bool Swapped>
+CAIRN_WIDE void decode_contiguous(Nodata<T> nodata, double scale, double offset, const std::byte* samples,
+                                  std::size_t count, float* metres) {
+  for (std::size_t i = 0; i < count; ++i)
+    metres[i] = integer_height<T, Scaled>(load<T>(samples + i * sizeof(T), Swapped), nodata, scale, offset);
+}
+
+template <class T, bool Scaled, bool Swapped>
 void decode_integers(const HeightEncoding& e, const std::byte* samples, std::size_t count, std::size_t stride,
                      float* metres) {
   const Nodata<T> nodata(e.nodata);
-  if (stride == 1) {  // apart, so that the compiler makes wide code of it
-    for (std::size_t i = 0; i < count; ++i)
-      metres[i] =
-          integer_height<T, Scaled>(load<T>(samples + i * sizeof(T), Swapped), nodata, e.scale, e.offset);
-    return;
-  }
+  if (stride == 1)
+    return decode_contiguous<T, Scaled, Swapped>(nodata, e.scale, e.offset, samples, count, metres);
   for (std::size_t i = 0; i < count; ++i)
     metres[i] = integer_height<T, Scaled>(load<T>(samples + i * stride * sizeof(T), Swapped), nodata, e.scale,
                                           e.offset);

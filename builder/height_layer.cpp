@@ -28,13 +28,9 @@ TileBlock block_of(const BakedTile& baked) {
   IndexEntry& entry = out.entry;
   entry.layer = Layer::heights;
   entry.id = baked.id;
-  bool any = false;
-  for (std::size_t i = 0; i < tile.samples.size(); ++i) {
-    if (!tile.voids.empty() && tile.voids[i] != 0) continue;
-    entry.min_quanta = any ? std::min(entry.min_quanta, tile.samples[i]) : tile.samples[i];
-    entry.max_quanta = any ? std::max(entry.max_quanta, tile.samples[i]) : tile.samples[i];
-    any = true;
-  }
+  const HeightRange range = range_of(tile);
+  entry.min_quanta = range.lowest;
+  entry.max_quanta = range.highest;
   // Rounded up, so that the promise survives the narrowing.
   entry.geometric_error_m = std::nextafter(static_cast<float>(baked.errors_m.front()), HUGE_VALF);
   if (baked.errors_m.front() == 0) entry.geometric_error_m = 0;

@@ -4,6 +4,9 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <memory>
+
+#include "format/wide.h"
 
 namespace cairn {
 namespace {
@@ -21,6 +24,24 @@ IndexRange posts_within(const AxisPositions& positions, IndexRange samples) {
   std::int64_t last = positions.first_post_from(samples.last);
   if (positions.position(last) > static_cast<double>(samples.last)) --last;
   return {first, last};
+}
+
+// Takes a row of a member's posts to where there is no value yet.
+CAIRN_WIDE void fill_in(const float* row, std::size_t count, std::uint16_t owner, float* heights,
+                        std::uint16_t* owners) {
+  for (std::size_t c = 0; c < count; ++c) {  // no branches, so that the loop is one of vectors
+    const bool taken = PostBlock::has_value(owners[c]);
+    const bool is_void = row[c] != row[c];
+    const std::uint16_t next = is_void ? PostBlock::kVoid : owner;
+    heights[c] = taken ? heights[c] : row[c];
+    owners[c] = taken ? owners[c] : next;
+  }
+}
+
+CAIRN_WIDE bool all_have_values(const std::vector<std::uint16_t>& owners) {
+  int without = 0;  // no early end, likewise
+  for (const std::uint16_t owner : owners) without |= PostBlock::has_value(owner) ? 0 : 1;
+  return without == 0;
 }
 
 IndexRange hull(IndexRange a, IndexRange b) {
@@ -88,20 +109,17 @@ Status LatticeGroup::read_member(std::size_t member, std::int64_t turn, PostBloc
   if (!source) return source.error();
   const std::int64_t first_row = place.north_up ? place.j0 + info.rows - north : south - place.j0;
   const PostWindow window{west - place.i0 - turn, first_row, east - west, north - south};
-  std::vector<float> read(static_cast<std::size_t>(window.columns * window.rows));
-  if (auto status = (*source)->read_heights(window, read); !status) return status;
+  const auto width = static_cast<std::size_t>(window.columns);
+  const std::size_t count = width * static_cast<std::size_t>(window.rows);
+  const auto read = std::make_unique_for_overwrite<float[]>(count);
+  if (auto status = (*source)->read_heights(window, {read.get(), count}); !status) return status;
 
   const auto owner = static_cast<std::uint16_t>(member + 1);
   for (std::int64_t j = south; j < north; ++j) {
     const std::int64_t file_row = place.north_up ? north - 1 - j : j - south;
-    const float* from = read.data() + file_row * window.columns;
     const std::size_t to = block.index(static_cast<int>(west - block.i0), static_cast<int>(j - block.j0));
-    for (std::size_t c = 0; c < static_cast<std::size_t>(window.columns); ++c) {
-      std::uint16_t& current = block.owners[to + c];
-      if (PostBlock::has_value(current)) continue;
-      current = std::isnan(from[c]) ? PostBlock::kVoid : owner;
-      block.heights[to + c] = from[c];
-    }
+    fill_in(read.get() + file_row * window.columns, width, owner, block.heights.data() + to,
+            block.owners.data() + to);
   }
   return {};
 }
@@ -155,20 +173,25 @@ std::vector<SampleState> LatticeGroup::states_of(const SampleWindow& window, con
   return states;
 }
 
-MeasuredPosts LatticeGroup::posts_of(const SampleWindow& window, const PostBlock& block) const {
+MeasuredPosts LatticeGroup::posts_of(const SampleWindow& window, PostBlock&& block) const {
   const IndexRange columns = posts_within(lon_positions_, range_of(window.column, window.columns));
   const IndexRange rows = posts_within(lat_positions_, range_of(window.row, window.rows));
   MeasuredPosts posts;
-  for (std::int64_t i = columns.first; i <= columns.last; ++i) {
+  for (std::int64_t i = columns.first; i <= columns.last; ++i)
     posts.xs.push_back(lon_positions_.position(i) - static_cast<double>(window.column));
-  }
-  const auto count = static_cast<std::ptrdiff_t>(posts.xs.size());
-  for (std::int64_t j = rows.first; j <= rows.last; ++j) {
+  for (std::int64_t j = rows.first; j <= rows.last; ++j)
     posts.ys.push_back(lat_positions_.position(j) - static_cast<double>(window.row));
+  if (columns.count() == block.columns && rows.count() == block.rows) {
+    posts.heights = std::move(block.heights);
+    posts.owners = std::move(block.owners);
+    return posts;
+  }
+  for (std::int64_t j = rows.first; j <= rows.last; ++j) {
     const auto at = static_cast<std::ptrdiff_t>(
         block.index(static_cast<int>(columns.first - block.i0), static_cast<int>(j - block.j0)));
-    posts.heights.insert(posts.heights.end(), block.heights.begin() + at, block.heights.begin() + at + count);
-    posts.owners.insert(posts.owners.end(), block.owners.begin() + at, block.owners.begin() + at + count);
+    const std::ptrdiff_t end = at + columns.count();
+    posts.heights.insert(posts.heights.end(), block.heights.begin() + at, block.heights.begin() + end);
+    posts.owners.insert(posts.owners.end(), block.owners.begin() + at, block.owners.begin() + end);
   }
   return posts;
 }
@@ -182,14 +205,18 @@ Result<GroupSamples> LatticeGroup::sample(const SampleWindow& window) const {
   if (!block) return block.error();
 
   GroupSamples samples;
-  samples.posts = posts_of(window, *block);
-  const bool complete = std::all_of(block->owners.begin(), block->owners.end(), PostBlock::has_value);
-  if (!complete) {
-    samples.states = states_of(window, *block);
-    if (auto status = fill_.complete(*block); !status) return status.error();
-  }
   samples.heights.resize(window.count());
-  resample_regular(lon_, lat_, {wanted.x, wanted.y}, block->heights, {columns, rows}, samples.heights);
+  const IndexWindow from{wanted.x, wanted.y};
+  const IndexWindow to{columns, rows};
+  if (all_have_values(block->owners)) {
+    resample_regular(lon_, lat_, from, block->heights, to, samples.heights);
+    samples.posts = posts_of(window, std::move(*block));
+    return samples;
+  }
+  samples.posts = posts_of(window, PostBlock(*block));
+  samples.states = states_of(window, *block);
+  if (auto status = fill_.complete(*block); !status) return status.error();
+  resample_regular(lon_, lat_, from, block->heights, to, samples.heights);
   return samples;
 }
 

@@ -38,7 +38,7 @@ class LatticeGroup final : public SourceGroup {
  private:
   Status read_member(std::size_t member, std::int64_t turn, PostBlock& block) const;
   std::vector<SampleState> states_of(const SampleWindow& window, const PostBlock& block) const;
-  MeasuredPosts posts_of(const SampleWindow& window, const PostBlock& block) const;
+  MeasuredPosts posts_of(const SampleWindow& window, PostBlock&& block) const;
 
   SourcePool& pool_;
   const Geoid* geoid_;

@@ -55,7 +55,8 @@ class Mosaic {
   /// counting the zone in which they fade. nullopt where no source covers any of it.
   std::optional<int> leaf_level(const TileId& id) const;
 
-  /// REQUIRES: touches(id), and no group that touches it needs a finer level. Safe to call from several threads.
+  /// REQUIRES: touches(id), and no group that touches it needs a finer level. Safe to call from several
+  /// threads.
   Result<MosaicTile> sample(const TileId& id) const;
 
  private:

@@ -31,6 +31,11 @@ class PostStats {
     }
   }
   void add(const PostStats& other);
+  /// Posts without an error.
+  void add_exact(std::uint64_t posts) {
+    count_ += posts;
+    bins_[0] += posts;
+  }
 
   std::uint64_t count() const { return count_; }
   double max() const { return max_; }

@@ -54,10 +54,23 @@ bool picks_posts(const AxisWeights& weights) {
   });
 }
 
+bool are_consecutive(const std::vector<AxisWeights::Row>& rows) {
+  const std::ptrdiff_t first = rows.front().first;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (rows[k].first != first + static_cast<std::ptrdiff_t>(k)) return false;
+  }
+  return true;
+}
+
 void pick(const AxisWeights& x, const AxisWeights& y, IndexWindow window, Rows<const float> posts,
           float* out) {
+  const bool copies = are_consecutive(x.rows);
   for (const AxisWeights::Row& to_y : y.rows) {
     const float* from = posts.row(to_y.first - window.y.first);
+    if (copies) {
+      out = std::copy_n(from + (x.rows.front().first - window.x.first), x.rows.size(), out);
+      continue;
+    }
     for (const AxisWeights::Row& to_x : x.rows) *out++ = from[to_x.first - window.x.first];
   }
 }

@@ -24,4 +24,11 @@ struct HeightTile {
   }
 };
 
+/// The lowest and the highest sample that is not void; 0, 0 where all are.
+struct HeightRange {
+  std::int32_t lowest = 0;
+  std::int32_t highest = 0;
+};
+HeightRange range_of(const HeightTile& tile);
+
 }  // namespace cairn

@@ -35,31 +35,15 @@ std::size_t utf8_sequence(std::string_view text) {
   return length;
 }
 
-struct SampleRange {
-  std::int32_t low = std::numeric_limits<std::int32_t>::max();
-  std::int32_t high = std::numeric_limits<std::int32_t>::min();
-  bool any() const { return low <= high; }
-};
-
-SampleRange range_of(const HeightTile& tile) {
-  SampleRange range;
-  for (std::size_t i = 0; i < tile.samples.size(); ++i) {
-    if (!tile.voids.empty() && tile.voids[i] != 0) continue;
-    range.low = std::min(range.low, tile.samples[i]);
-    range.high = std::max(range.high, tile.samples[i]);
-  }
-  return range.any() ? range : SampleRange{0, 0};
-}
-
 void check_range_and_flags(const IndexEntry& entry, const HeightTile& tile, std::vector<Finding>& findings) {
-  const SampleRange range = range_of(tile);
+  const HeightRange range = range_of(tile);
   const auto add = [&](std::string what) { findings.push_back({name_of(entry), std::move(what)}); };
-  if (entry.min_quanta != range.low) {
-    add(expected("minimum", std::to_string(range.low) + " as the samples have",
+  if (entry.min_quanta != range.lowest) {
+    add(expected("minimum", std::to_string(range.lowest) + " as the samples have",
                  std::to_string(entry.min_quanta)));
   }
-  if (entry.max_quanta != range.high) {
-    add(expected("maximum", std::to_string(range.high) + " as the samples have",
+  if (entry.max_quanta != range.highest) {
+    add(expected("maximum", std::to_string(range.highest) + " as the samples have",
                  std::to_string(entry.max_quanta)));
   }
   const bool has_voids = !tile.voids.empty();
@@ -67,7 +51,7 @@ void check_range_and_flags(const IndexEntry& entry, const HeightTile& tile, std:
     add(expected("void flag", has_voids ? "1 as the block has a mask" : "0 as the block has no mask",
                  has_voids ? "0" : "1"));
   }
-  if (!has_voids && range.low == range.high && (entry.flags & kConstant) == 0) {
+  if (!has_voids && range.lowest == range.highest && (entry.flags & kConstant) == 0) {
     add("expected a constant tile without a block, found a block of equal samples");
   }
 }
