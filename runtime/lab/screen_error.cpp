@@ -271,6 +271,31 @@ void FinestPicture::compare(const Leaf& leaf, const std::vector<Pixel>& now, con
                        leaf.corner.y + static_cast<std::int64_t>(worst_index / side) * leaf.spacing};
 }
 
+std::uint64_t FinestPicture::count_useful(const Projected& mesh) const {
+  const double half_width = view_.viewport_width_px / 2.0, half_height = view_.viewport_height_px / 2.0;
+  std::uint64_t useful = 0;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    for (const LodTriangle& t : mesh.mesh->mesh.tiles[i].triangles) {
+      Span us, vs;
+      double u[3], v[3];
+      bool in_front = true, behind = true;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const glm::dvec3& p = mesh.vertices[i][t[k]];
+        in_front = in_front && p.z > 0;
+        behind = behind && p.z <= 0;
+        us.add(u[k] = p.x * screen_.pixels_per_radian() / p.z);
+        vs.add(v[k] = p.y * screen_.pixels_per_radian() / p.z);
+      }
+      const double area = std::abs((u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0])) / 2;
+      const bool inside =
+          us.low <= half_width && us.high >= -half_width && vs.low <= half_height && vs.high >= -half_height;
+      // What reaches behind the eye is large where it is in the picture at all.
+      useful += in_front ? inside && area >= 0.25 : !behind;
+    }
+  }
+  return useful;
+}
+
 ScreenError FinestPicture::measure(const PlacedMesh& mesh, const PlacedMesh* before) const {
   const Projected now = project(mesh);
   const Projected then = before ? project(*before) : Projected{};
@@ -283,6 +308,7 @@ ScreenError FinestPicture::measure(const PlacedMesh& mesh, const PlacedMesh* bef
   });
   Tally sum;
   for (const Tally& tally : tallies) sum.add(tally);
+  sum.error.useful_triangles = count_useful(now);
   if (sum.error.samples > 0) {
     sum.error.rms_px = std::sqrt(sum.sum_of_squares / static_cast<double>(sum.error.samples));
   }

@@ -30,6 +30,7 @@ struct ScreenError {
   double max_pop_px = 0;      ///< how far the mesh's point at a sample is from where the mesh before had it,
                               ///< both as seen now: what moves without the camera
   LatticePoint worst;         ///< the sample of max_px
+  std::uint64_t useful_triangles = 0;  ///< that touch the picture with a quarter of a square pixel or more
 };
 
 /// The finest surface as one camera sees it: every sample that is not void, in the picture and above the
@@ -64,6 +65,7 @@ class FinestPicture {
   bool fill(Leaf& leaf, const HeightTile& heights, const TileId& source, double quantum_m,
             const Occluder& occluder) const;
   Projected project(const PlacedMesh& mesh) const;
+  std::uint64_t count_useful(const Projected& mesh) const;
   void draw(const Projected& mesh, const Leaf& leaf, std::vector<Pixel>& out) const;
   void compare(const Leaf& leaf, const std::vector<Pixel>& now, const std::vector<Pixel>* before,
                Tally& tally) const;

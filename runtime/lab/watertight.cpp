@@ -1,20 +1,12 @@
 #include "runtime/lab/watertight.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <unordered_map>
 #include <unordered_set>
 
 namespace cairn {
 namespace {
-
-struct VertexHash {
-  std::size_t operator()(const LodVertex& v) const noexcept {
-    return std::hash<LatticePoint>{}(v.point) ^
-           (std::bit_cast<std::uint64_t>(v.height_m) * 0x9E3779B97F4A7C15u);
-  }
-};
 
 /// A side of a triangle.
 struct Edge {
@@ -83,7 +75,7 @@ class Edges {
   }
 
   const LodMesh& mesh_;
-  std::unordered_map<LodVertex, std::uint32_t, VertexHash> numbers_;
+  std::unordered_map<LodVertex, std::uint32_t, LodVertexHash> numbers_;
   std::vector<NumberedEdge> edges_;
 };
 

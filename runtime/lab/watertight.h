@@ -1,10 +1,20 @@
 #pragma once
 
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include "runtime/lod_method.h"
 
 namespace cairn {
+
+/// Of a vertex by its place and its height's bits. REQUIRES: a canonical point.
+struct LodVertexHash {
+  std::size_t operator()(const LodVertex& v) const noexcept {
+    return std::hash<LatticePoint>{}(v.point) ^
+           (std::bit_cast<std::uint64_t>(v.height_m) * 0x9E3779B97F4A7C15u);
+  }
+};
 
 /// What is wrong with a mesh as a surface.
 struct MeshFaults {

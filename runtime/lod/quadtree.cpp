@@ -47,10 +47,41 @@ struct Node {
   int half = 0;
 };
 
-/// What is known of a tile from loading.
+/// The flags of Table 5.2.1's matrix: which nodes of a window are split, by their middles. Cleared by what
+/// was set, so that a frame costs what it splits.
+class SplitMatrix {
+ public:
+  explicit SplitMatrix(int side) : side_(side) {
+    flags_.resize(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+  }
+  bool contains(const Node& n) const { return flags_[slot(n)] != 0; }
+  bool insert(const Node& n) {
+    if (contains(n)) return false;
+    flags_[slot(n)] = 1;
+    set_.push_back(slot(n));
+    return true;
+  }
+  void clear() {
+    for (const std::size_t i : set_) flags_[i] = 0;
+    set_.clear();
+  }
+  std::size_t slot(const Node& n) const {
+    return static_cast<std::size_t>(n.row) * static_cast<std::size_t>(side_) +
+           static_cast<std::size_t>(n.column);
+  }
+  std::uint64_t bytes() const { return flags_.size(); }
+
+ private:
+  int side_;
+  std::vector<std::uint8_t> flags_;
+  std::vector<std::size_t> set_;
+};
+
+/// What is known of a tile from loading, and the flags of its nodes.
 struct Prepared {
   TileId source;
   GridPositions positions;
+  SplitMatrix split;
   std::vector<float> roughness_m;  ///< max|dh| of the node around each sample; empty without roughness
 };
 
@@ -97,11 +128,15 @@ class Roughness {
   std::vector<float> values_;
 };
 
-/// Whether a node is split, by rule (5.4) to (5.9).
+/// Whether a node is split, by rule (5.4) to (5.9) and the frustum test.
 class Criterion {
  public:
-  Criterion(const LodView& view, const LodOptions& options)
-      : screen_(view.view), frame_(local_frame(view.view.eye)), rough_(options.roughness) {
+  Criterion(const LodScene& scene, const LodView& view, const LodOptions& options)
+      : screen_(view.view),
+        frame_(local_frame(view.view.eye)),
+        volume_(view.view, Occluder(scene.lowest_m)),
+        cull_(view.cull),
+        rough_(options.roughness) {
     detail_ = screen_.pixels_per_radian() / ((rough_ ? kRoughEdge_px : kEdge_px) * view.tolerance_px);
     if (options.angle_compensation) {
       detail_ /= std::pow(1 + std::abs(std::cos(glm::radians(view.view.pitch_deg))), 4);
@@ -116,28 +151,42 @@ class Criterion {
     return l1 < edge_m * detail_ * weight;
   }
 
+  /// Whether a node may be in the picture; `relief_m` is the difference between its tile's heights.
+  bool sees(const glm::dvec3& middle, double edge_m, double relief_m) const {
+    const double radius_m = 0.75 * edge_m + relief_m;
+    return !cull_ ||
+           volume_.sees({middle, {{radius_m, 0, 0}, {0, radius_m, 0}, {0, 0, radius_m}}, std::nullopt});
+  }
+
  private:
   Screen screen_;
   LocalFrame frame_;
+  ViewVolume volume_;
+  bool cull_;
   bool rough_;
   double detail_ = 0;  // C or C_N
 };
 
-/// The split nodes of all tiles, by their middles: a lattice point is the middle of one node only.
+/// The split nodes of all tiles of a scene.
 class SplitNodes {
  public:
-  explicit SplitNodes(const LodScene& scene) : scene_(scene) {
-    for (std::size_t i = 0; i < scene.tiles.size(); ++i) tiles_.emplace(scene.tiles[i].area, i);
-    for (const LodTile& tile : scene.tiles) windows_.emplace_back(scene, tile);
+  SplitNodes(const LodScene& scene, std::unordered_map<TileId, Prepared>& prepared) : scene_(scene) {
+    for (std::size_t i = 0; i < scene.tiles.size(); ++i) {
+      const LodTile& tile = scene.tiles[i];
+      tiles_.emplace(tile.area, i);
+      windows_.emplace_back(scene, tile);
+      split_.push_back(&prepared.at(tile.area).split);
+      split_.back()->clear();
+    }
   }
 
   const TileWindow& window(std::size_t tile) const { return windows_[tile]; }
 
-  bool contains(std::size_t tile, const Node& n) const { return split_.contains(middle(tile, n)); }
+  bool contains(std::size_t tile, const Node& n) const { return split_[tile]->contains(n); }
 
   /// Splits the node, its ancestors, and what neighbours them where that needs to be.
   void insert(std::size_t tile, const Node& n) {
-    if (!split_.insert(middle(tile, n)).second || n.half * 2 == windows_[tile].cells()) return;
+    if (!split_[tile]->insert(n) || n.half * 2 == windows_[tile].cells()) return;
     const Node parent = parent_of(n);
     insert(tile, parent);
     const int dx = n.column > parent.column ? 1 : -1, dy = n.row > parent.row ? 1 : -1;
@@ -166,8 +215,6 @@ class SplitNodes {
   }
 
  private:
-  LatticePoint middle(std::size_t tile, const Node& n) const { return windows_[tile].point(n.column, n.row); }
-
   /// Nodes of half edge h have their middles at odd multiples of h.
   static Node parent_of(const Node& n) {
     const int edge = 2 * n.half;
@@ -177,7 +224,7 @@ class SplitNodes {
   const LodScene& scene_;
   std::unordered_map<TileId, std::size_t> tiles_;
   std::vector<TileWindow> windows_;
-  std::unordered_set<LatticePoint> split_;
+  std::vector<SplitMatrix*> split_;
 };
 
 /// Draws a tile's split nodes as fans.
@@ -271,16 +318,16 @@ class Quadtree : public LodMethod {
   std::uint64_t prepared_bytes() const override {
     std::uint64_t bytes = 0;
     for (const auto& [area, tile] : prepared_) {
-      bytes += tile.positions.bytes() + tile.roughness_m.size() * sizeof(float);
+      bytes += tile.positions.bytes() + tile.split.bytes() + tile.roughness_m.size() * sizeof(float);
     }
     return bytes;
   }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
     const double start = thread_cpu_s();
-    SplitNodes split(scene);
+    SplitNodes split(scene, prepared_);
     const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
-    const Criterion criterion(view, options_);
+    const Criterion criterion(scene, view, options_);
     for (const std::size_t index : drawn) refine(scene, index, criterion, split);
     const double selected = thread_cpu_s();
     LodMesh mesh;
@@ -295,6 +342,7 @@ class Quadtree : public LodMethod {
   Prepared make(const LodScene& scene, const LodTile& tile) const {
     const TileWindow window(scene, tile);
     return {tile.source, GridPositions(window.point(0, 0), window.spacing(), window.cells() + 1),
+            SplitMatrix(window.cells() + 1),
             options_.roughness ? Roughness(window).all(scene.quantum_m) : std::vector<float>()};
   }
 
@@ -304,14 +352,15 @@ class Quadtree : public LodMethod {
     const Prepared& tile = prepared_.at(scene.tiles[index].area);
     const double sample_m =
         tile_width_degrees(scene.tiles[index].source.level) / (scene.tile_size - 1) * kDegree_m;
+    const double relief_m = scene.tiles[index].max_m - scene.tiles[index].min_m;
     const auto visit = [&](auto self, const Node& n) -> void {
       const bool root = 2 * n.half == window.cells();
-      const std::size_t slot =
-          static_cast<std::size_t>(n.row) * static_cast<std::size_t>(window.cells() + 1) +
-          static_cast<std::size_t>(n.column);
       const glm::dvec3 middle = tile.positions.at(n.column, n.row, window.height_m(n.column, n.row));
-      const double rough_m = tile.roughness_m.empty() ? 0 : static_cast<double>(tile.roughness_m[slot]);
-      const bool splits = criterion.splits(middle, 2 * n.half * sample_m, rough_m);
+      const double rough_m =
+          tile.roughness_m.empty() ? 0 : static_cast<double>(tile.roughness_m[tile.split.slot(n)]);
+      const double edge_m = 2 * n.half * sample_m;
+      const bool splits =
+          criterion.sees(middle, edge_m, relief_m) && criterion.splits(middle, edge_m, rough_m);
       if (root || splits) split.insert(index, n);
       if (!splits || n.half == 1) return;
       const int quarter = n.half / 2;

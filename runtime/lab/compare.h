@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "format/status.h"
+#include "runtime/lab/camera_path.h"
+#include "runtime/lab/lab_terrain.h"
+#include "runtime/lab/screen_error.h"
+#include "runtime/lab/watertight.h"
+#include "runtime/lod_method.h"
+
+namespace cairn {
+
+/// A method as it takes part: quadtree does so with several options.
+struct Contender {
+  std::string label;
+  const LodMethodInfo* method = nullptr;
+  LodOptions options;
+};
+
+struct CompareSpec {
+  std::vector<Contender> contenders;
+  std::vector<double> tolerances_px;
+  SceneRules tiles;  ///< refine_px as a share of the tolerance
+  int width_px = 1920;
+  int height_px = 1080;
+  int threads = 2;  ///< of the measure; methods run on one
+};
+
+/// One method at one tolerance in one frame.
+struct FrameRecord {
+  std::string flight;
+  std::string method;
+  double tolerance_px = 0;
+  std::size_t frame = 0;
+  double pitch_deg = 0;
+
+  std::uint64_t triangles = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t index_bytes = 0;    ///< 4 a list index of the final mesh
+  std::uint64_t strip_indices = 0;  ///< of the method's own triangulation, in the least form that it has
+  std::uint64_t batches = 0;        ///< parts of that form
+  double selection_ms = 0;          ///< CPU of one thread
+  double building_ms = 0;
+  double preparing_ms = 0;  ///< of tiles that are new in this frame
+
+  ScreenError error;
+  bool keeps_tolerance = false;  ///< error.max_px within the tolerance, to the measure's own error
+  bool joins = false;            ///< error.max_pop_px has a frame before
+
+  std::uint64_t tiles = 0;           ///< whose data the scene shows
+  std::uint64_t new_tiles = 0;       ///< of these, not in the frame before
+  std::uint64_t useful_tiles = 0;    ///< in the picture, and their parents would be off by a quarter pixel
+  std::uint64_t resident_bytes = 0;  ///< decoded tiles and what the method keeps beside them
+  std::uint64_t loaded_bytes = 0;    ///< of the scene's blocks, as stored
+  std::uint64_t useful_loaded_bytes = 0;
+  std::optional<MeshFaults> faults;  ///< of the whole map's mesh; in the first and the middle frame
+};
+
+using TakeRecord = std::function<void(const FrameRecord&)>;
+
+/// Flies the path with every contender at every tolerance; `full` at the largest only, since it takes no
+/// notice of any. Records come frame by frame.
+Status compare(LabTerrain& terrain, const CameraPath& path, const CompareSpec& spec, const TakeRecord& take);
+
+}  // namespace cairn

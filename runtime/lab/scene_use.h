@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "runtime/lab/lab_terrain.h"
+#include "runtime/lod_method.h"
+
+namespace cairn {
+
+/// What a scene costs to have, and how much of it the picture needs.
+struct SceneUse {
+  std::vector<TileId> sources;  ///< ascending, each once
+  std::uint64_t useful_tiles = 0;
+  std::uint64_t decoded_bytes = 0;
+  std::uint64_t loaded_bytes = 0;
+  std::uint64_t useful_loaded_bytes = 0;
+};
+
+/// A source is of use where a part of it is in the picture and its parent's geometric error there projects
+/// above a quarter pixel, or it has no parent.
+SceneUse use_of(const LabTerrain& terrain, const LodScene& scene, const ViewState& view);
+
+}  // namespace cairn
