@@ -16,6 +16,7 @@
 #include <glm/trigonometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "runtime/geodesy.h"
 #include "runtime/gl/axis_buffer.h"
 #include "runtime/gl/grid_indices.h"
 #include "runtime/gl/mesh_plan.h"
@@ -57,7 +58,8 @@ enum Location : GLint {
   kSun = 4,
   kEyeHeight = 5,
   kLook = 6,
-  kQuantum = 7
+  kQuantum = 7,
+  kHorizon = 8
 };
 enum LookBits : GLuint { kLevelColours = 1, kFog = 2 };
 
@@ -89,6 +91,23 @@ glm::mat4 ray_from_clip(const CameraFrame& camera, const ViewState& view) {
   const double aspect = static_cast<double>(view.viewport_width_px) / view.viewport_height_px;
   return glm::mat4(glm::dmat4{glm::dvec4(camera.right * (t * aspect), 0), glm::dvec4(camera.up * t, 0),
                               glm::dvec4(0), glm::dvec4(camera.forward, 0)});
+}
+
+/// A plane, for positions relative to the eye, that all the ground before the horizon lies inside of, and
+/// most of the Earth's far side outside: a hole in the ground must not show the inside of the antipodes.
+///
+/// Scaled so that an ellipsoid below all ground is the unit sphere, the eye at distance m > 1 sees the sphere
+/// up to the plane 1/m along its own direction; ground of radius r behind the sphere's horizon up to 1/m -
+/// sqrt(1 - 1/m²)·sqrt(r² - 1).
+glm::dvec4 horizon_plane(const glm::dvec3& eye) {
+  constexpr double kDeepest = 12000, kHighest = 10000;  // no ground is lower, higher
+  const glm::dvec3 radii = glm::dvec3(kEquatorialRadius, kEquatorialRadius, kPolarRadius) - kDeepest;
+  const glm::dvec3 scaled = eye / radii;
+  const double m = glm::length(scaled);
+  if (m <= 1) return {0, 0, 0, 1};
+  const double r = (kPolarRadius + kHighest) / radii.z;
+  const double seen = 1 / m - std::sqrt(1 - 1 / (m * m)) * std::sqrt(r * r - 1);
+  return {scaled / m / radii, m - seen};
 }
 
 /// Where the south-west corner of an area lies in a tile that covers it, 0…1, and the area's share of a side.
@@ -270,10 +289,12 @@ void Renderer::State::set_uniforms(const CameraFrame& camera, const ViewState& v
   glProgramUniformMatrix4fv(program, kClip, 1, GL_FALSE, glm::value_ptr(clip));
   glProgramUniform1ui(program, kCells, static_cast<GLuint>(cells_log2_of(tile_size)));
   glProgramUniform1f(program, kQuantum, static_cast<float>(quantum_m));
-  glProgramUniform1f(program, kEyeHeight, static_cast<float>(view.height_m));
-  glProgramUniform1ui(program, kLook, (look.level_colours ? kLevelColours : 0u) | (look.fog ? kFog : 0u));
+  const glm::vec4 horizon(horizon_plane(camera.position));
+  glProgramUniform4f(program, kHorizon, horizon.x, horizon.y, horizon.z, horizon.w);
   for (const GLuint each : {program, sky.name()}) {
     const glm::vec3 eye(camera.position), sun(look.to_sun);
+    glProgramUniform1f(each, kEyeHeight, static_cast<float>(view.height_m));
+    glProgramUniform1ui(each, kLook, (look.level_colours ? kLevelColours : 0u) | (look.fog ? kFog : 0u));
     glProgramUniform3f(each, kEyeFloat, eye.x, eye.y, eye.z);
     glProgramUniform3f(each, kSun, sun.x, sun.y, sun.z);
   }
@@ -375,6 +396,7 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
   glEnable(GL_DEPTH_TEST);
   glDisable(GL_CULL_FACE);  // rounding may turn a sliver over; it must be drawn all the same
   glEnable(GL_CLIP_DISTANCE0);
+  glEnable(GL_CLIP_DISTANCE1);
   glDepthFunc(GL_GREATER);
   const glm::vec3 background = look.hole_colour.value_or(glm::vec3(0));
   glClearColor(background.r, background.g, background.b, 1);
@@ -384,6 +406,7 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
   if (!records.empty()) s.draw_patches(plan, records);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glDisable(GL_CLIP_DISTANCE0);
+  glDisable(GL_CLIP_DISTANCE1);
   s.draw_sky(camera, view, look);
   s.counts.gpu_bytes = s.heights.bytes() + s.columns.bytes() + s.rows.bytes();
   for (const ImageryTextures& array : s.imagery) s.counts.gpu_bytes += array.bytes();

@@ -46,7 +46,8 @@ ViewState start_view(const PackReader& pack, double fov_deg, Size size) {
   const double distance = std::max(high, wide / aspect) / 2 / std::tan(half_fov);
   if (bounds.width() > 60 || bounds.height() > 60) {
     view.eye = middle;
-    view.height_m = std::max(distance, 2.2 * kEquatorialRadius / std::tan(half_fov) / 2);
+    const double half_angle = std::atan(std::tan(half_fov) * std::min(aspect, 1.0));
+    view.height_m = kEquatorialRadius * (1.08 / std::sin(half_angle) - 1);
     view.pitch_deg = -90;
     return view;
   }

@@ -25,10 +25,10 @@ layout(location = 0) out vec4 colour;
 const vec3 kInverseRadiiSquared = vec3(1.0 / (6378137.0 * 6378137.0), 1.0 / (6378137.0 * 6378137.0),
                                        1.0 / (6356752.3142 * 6356752.3142));
 
-// Hypsometric tint, linear RGB: water below 0, then lowland green to snow.
+// Hypsometric tint, linear RGB: water at 0 and below, as the sea is 0 in most sources, then lowland green to snow.
 vec3 tint(float h) {
   const int kSteps = 9;
-  const float at[kSteps] = float[](-8000.0, -200.0, -0.01, 0.01, 300.0, 900.0, 1800.0, 3000.0, 4500.0);
+  const float at[kSteps] = float[](-8000.0, -200.0, 0.0, 1.0, 300.0, 900.0, 1800.0, 3000.0, 4500.0);
   const vec3 of[kSteps] = vec3[](vec3(0.010, 0.025, 0.090), vec3(0.035, 0.110, 0.240), vec3(0.075, 0.190, 0.330),
                                  vec3(0.105, 0.205, 0.075), vec3(0.200, 0.290, 0.105), vec3(0.400, 0.370, 0.180),
                                  vec3(0.340, 0.230, 0.120), vec3(0.420, 0.360, 0.310), vec3(0.720, 0.735, 0.760));
@@ -46,19 +46,22 @@ bool has_heights() {
   return heights_window.w >= 0.0;
 }
 
-// The tile's own height here: the drawn mesh has fewer vertices than the tile has colours.
+// The tile's own height here: the drawn mesh has fewer vertices than the tile has colours. A void beside it is a hole.
 float tile_height() {
-  float cells = exp2(float(tile_cells_log2));
-  vec2 place = ((heights_window.xy + patch_place * heights_window.z) * cells + 0.5) / (cells + 1.0);
-  float texel = textureLod(height_texels, vec3(place, heights_window.w), 0.0).r * 65535.0;
+  float samples = exp2(float(tile_cells_log2)) + 1.0;
+  vec2 place = (heights_window.xy + patch_place * heights_window.z) * (samples - 1.0);
+  vec4 texels = round(textureGather(height_texels, vec3((floor(place) + 1.0) / samples, heights_window.w)) * 65535.0);
+  if (any(equal(texels, vec4(65535.0)))) discard;
+  vec2 part = fract(place);
+  float texel = mix(mix(texels.w, texels.z, part.x), mix(texels.x, texels.y, part.x), part.y);
   return (float(patch_facts.y) + texel * exp2(float(patch_facts.z))) * quantum;
 }
 
 const vec3 kNoData = vec3(0.09, 0.10, 0.11);
 
 vec3 surface_colour() {
-  if ((look & 1u) != 0u) return level_colour(patch_facts.w);
   vec3 plain = has_heights() ? tint(tile_height()) : kNoData;
+  if ((look & 1u) != 0u) return level_colour(patch_facts.w);
   if (patch_facts.x == 0) return plain;
   vec2 place = imagery_window.xy + patch_place * imagery_window.z;
   vec3 at = vec3(place.x, 1.0 - place.y, imagery_window.w);  // imagery's rows run from north to south

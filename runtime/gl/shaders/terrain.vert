@@ -35,6 +35,7 @@ layout(location = 0) uniform dvec3 eye;
 layout(location = 1) uniform mat4 clip_from_eye;
 layout(location = 2) uniform uint tile_cells_log2;
 layout(location = 7) uniform float quantum;
+layout(location = 8) uniform vec4 horizon;  // a plane that the Earth's far side lies behind
 
 layout(location = 0) in uint patch_index;
 
@@ -49,7 +50,7 @@ layout(location = 5) flat out ivec4 patch_facts;  // imagery's array, heights' b
 
 out gl_PerVertex {
   vec4 gl_Position;
-  float gl_ClipDistance[1];
+  float gl_ClipDistance[2];
 };
 
 const uint kVoidTexel = 65535u;
@@ -129,6 +130,7 @@ void main() {
   precise vec4 clip = clip_from_eye * vec4(from_eye, 1.0);
   gl_Position = clip;
   gl_ClipDistance[0] = is_void ? -1e9 : 1.0;
+  gl_ClipDistance[1] = dot(horizon.xyz, from_eye) + horizon.w;
   patch_place = vec2(v) / float(cells);
   height = h;
   float tile_cells = exp2(float(tile_cells_log2));
