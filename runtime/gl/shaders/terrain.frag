@@ -19,6 +19,7 @@ layout(location = 2) in float height;
 layout(location = 3) flat in vec4 heights_window;
 layout(location = 4) flat in vec4 imagery_window;
 layout(location = 5) flat in ivec4 patch_facts;
+layout(location = 6) flat in vec2 patch_extent;
 
 layout(location = 0) out vec4 colour;
 
@@ -42,6 +43,11 @@ vec3 level_colour(int level) {
   return 0.25 + 0.5 * clamp(abs(fract(hue + vec3(0.0, 2.0 / 3.0, 1.0 / 3.0)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
 }
 
+// Interpolated in a thin triangle, a place may round to one outside the patch, even beyond the end of the world.
+vec2 within_patch() {
+  return clamp(patch_place, vec2(0), patch_extent);
+}
+
 bool has_heights() {
   return heights_window.w >= 0.0;
 }
@@ -49,11 +55,15 @@ bool has_heights() {
 // The tile's own height here: the drawn mesh has fewer vertices than the tile has colours. A void beside it is a hole.
 float tile_height() {
   float samples = exp2(float(tile_cells_log2)) + 1.0;
-  vec2 place = (heights_window.xy + patch_place * heights_window.z) * (samples - 1.0);
+  vec2 place = (heights_window.xy + within_patch() * heights_window.z) * (samples - 1.0);
   vec4 texels = round(textureGather(height_texels, vec3((floor(place) + 1.0) / samples, heights_window.w)) * 65535.0);
-  if (any(equal(texels, vec4(65535.0)))) discard;
-  vec2 part = fract(place);
-  float texel = mix(mix(texels.w, texels.z, part.x), mix(texels.x, texels.y, part.x), part.y);
+  vec2 part = fract(place), rest = 1.0 - part;
+  vec4 weights = vec4(rest.x * part.y, part.x * part.y, part.x * rest.y, rest.x * rest.y);
+  weights *= vec4(lessThan(texels, vec4(65535.0)));
+  // At the ends of the world a rounded sum may be a hair beyond, where all is void.
+  float known = dot(weights, vec4(1.0));
+  if (known < 0.999) discard;
+  float texel = dot(weights, texels) / known;
   return (float(patch_facts.y) + texel * exp2(float(patch_facts.z))) * quantum;
 }
 
@@ -63,7 +73,7 @@ vec3 surface_colour() {
   vec3 plain = has_heights() ? tint(tile_height()) : kNoData;
   if ((look & 1u) != 0u) return level_colour(patch_facts.w);
   if (patch_facts.x == 0) return plain;
-  vec2 place = imagery_window.xy + patch_place * imagery_window.z;
+  vec2 place = imagery_window.xy + within_patch() * imagery_window.z;
   vec3 at = vec3(place.x, 1.0 - place.y, imagery_window.w);  // imagery's rows run from north to south
   vec2 along_x = dFdx(patch_place) * imagery_window.z * vec2(1, -1);
   vec2 along_y = dFdy(patch_place) * imagery_window.z * vec2(1, -1);
@@ -75,7 +85,7 @@ vec3 surface_colour() {
 
 vec3 normal_east_north_up() {
   if (!has_heights()) return vec3(0, 0, 1);
-  vec3 at = vec3(heights_window.xy + patch_place * heights_window.z, heights_window.w);
+  vec3 at = vec3(heights_window.xy + within_patch() * heights_window.z, heights_window.w);
   vec2 n = textureGrad(normal_map, at, dFdx(patch_place) * heights_window.z, dFdy(patch_place) * heights_window.z).rg;
   return vec3(n, sqrt(max(0.0, 1.0 - dot(n, n))));
 }

@@ -47,6 +47,7 @@ layout(location = 2) out float height;
 layout(location = 3) flat out vec4 heights_window;  // origin and scale in the source, 0…1; layer
 layout(location = 4) flat out vec4 imagery_window;
 layout(location = 5) flat out ivec4 patch_facts;  // imagery's array, heights' base and shift, level
+layout(location = 6) flat out vec2 patch_extent;  // what of 0…1 is in the world
 
 out gl_PerVertex {
   vec4 gl_Position;
@@ -132,6 +133,7 @@ void main() {
   gl_ClipDistance[0] = is_void ? -1e9 : 1.0;
   gl_ClipDistance[1] = dot(horizon.xyz, from_eye) + horizon.w;
   patch_place = vec2(v) / float(cells);
+  patch_extent = vec2(p.cells_east, p.cells_north) / float(cells);
   height = h;
   float tile_cells = exp2(float(tile_cells_log2));
   heights_window = vec4(p.height_origin / tile_cells, float(cells) * p.height_step / tile_cells, float(p.height_layer));
