@@ -13,6 +13,7 @@
 #include "builder/layer_bake.h"
 #include "builder/pack_layers.h"
 #include "builder/resume.h"
+#include "builder/rqt_layer.h"
 #include "builder/trial.h"
 #include "format/pack_writer.h"
 
@@ -67,6 +68,14 @@ Status bake_imagery(const PackLayers& layers, const BuildOptions& options, int t
   return {};
 }
 
+Status bake_rqt(const PackLayers& layers, const BuildOptions& options, int threads, Work& work,
+                const ProgressCallback& progress) {
+  if (!layers.plan || !options.rqt_tolerance_m) return {};
+  const RqtPlan plan{options.tile_size, layers.plan->quantum_m(), layers.plan->finest(),
+                     *options.rqt_tolerance_m};
+  return bake_rqt_layer(plan, options.target, threads, work, progress);
+}
+
 Result<BuildReport> build_in_arena(const BuildOptions& options, int threads,
                                    const ProgressCallback& progress) {
   const auto start = std::chrono::steady_clock::now();
@@ -95,7 +104,12 @@ Result<BuildReport> build_in_arena(const BuildOptions& options, int threads,
   if (auto status = bake_imagery(*layers, options, threads, *work, progress, report); !status)
     return discard(options, *work, status.error());
 
-  // 6. Write metadata, index and header; the target appears.
+  // 6. Triangulate the tiles of heights, if asked for: neighbours have to agree, so they are all needed
+  // first.
+  if (auto status = bake_rqt(*layers, options, threads, *work, progress); !status)
+    return discard(options, *work, status.error());
+
+  // 7. Write metadata, index and header; the target appears.
   report.metadata_json = describe_pack(*layers, options, *heights, *hashes, work->writer.entries());
   if (auto status = work->writer.finish(report.metadata_json); !status)
     return discard(options, *work, status.error());

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "builder/fingerprint.h"
+#include "builder/rqt_layer.h"
 #include "builder/texture_tile_bake.h"
 
 namespace cairn {
@@ -128,6 +129,7 @@ Json options_of(const BuildOptions& o) {
   if (o.region) options["region"] = json_of(*o.region);
   if (o.max_error_m) options["max_error"] = *o.max_error_m;
   if (o.quantum_m) options["quantum"] = *o.quantum_m;
+  if (o.rqt_tolerance_m) options["rqt"] = *o.rqt_tolerance_m;
   return options;
 }
 
@@ -153,6 +155,8 @@ std::string describe_pack(const PackLayers& layers, const BuildOptions& options,
   meta["levels"] = levels_of(entries);
   meta["sources"] = layers.heights ? sources_of(*layers.heights, heights, input_hashes) : Json::array();
   if (layers.imagery) meta["imagery"] = imagery_of(layers, options.imagery, input_hashes, entries);
+  if (layers.plan && options.rqt_tolerance_m)
+    meta["rqt"] = {{"tolerance_m", *options.rqt_tolerance_m}, {"triangulations", kRqtSteps}};
   meta["options"] = options_of(options);
   return meta.dump(1);
 }

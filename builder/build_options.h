@@ -40,6 +40,10 @@ struct BuildOptions {
   VerticalDatum datum = VerticalDatum::unknown;  ///< of the sources; with a geoid the pack's is the ellipsoid
   std::optional<std::filesystem::path> geoid;    ///< undulations in metres, added to every post
 
+  /// Also stores restricted quadtree triangulations [3]: off by less than so many metres at the finest level,
+  /// by less than twice as many at each coarser one.
+  std::optional<float> rqt_tolerance_m;
+
   std::size_t memory_bytes = std::size_t{1024} << 20;  ///< cap on the resident size of the program
   int threads = 0;                                     ///< 0 = all
   bool resume = false;

@@ -59,6 +59,7 @@ std::string describe_options(const BuildOptions& o) {
     text +=
         fmt::format(" region={},{},{},{}", o.region->west, o.region->south, o.region->east, o.region->north);
   }
+  if (o.rqt_tolerance_m) text += fmt::format(" rqt={}", *o.rqt_tolerance_m);
   if (!o.imagery.inputs.empty()) {
     text += fmt::format(" images={} format={} quality={} feather={}", o.imagery.inputs.size(),
                         static_cast<int>(o.imagery.format), static_cast<int>(o.imagery.quality),

@@ -70,7 +70,9 @@ struct IndexEntry {
   std::int32_t min_quanta =
       0;  ///< heights: over the samples that are not void, 0 if all are. Imagery: a colour, as RGBA bytes
   std::int32_t max_quanta = 0;  ///< heights: likewise. Imagery: peak signal-to-noise ratio in 1/1000 dB
+                                ///< (rqt: min and max are triangles of its coarsest and finest triangulation)
   /// Heights: largest deviation from the source posts and the finest samples, never below a descendant's.
+  /// Rqt: what the finest triangulation is off its tile's samples by, less.
   float geometric_error_m = 0;
   std::uint16_t filled = 0;  ///< heights: share of samples without a source, filled or void, in 1/65535
 

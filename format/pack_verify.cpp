@@ -9,6 +9,7 @@
 
 #include "format/pack_reader.h"
 #include "format/pack_rules.h"
+#include "format/rqt_rules.h"
 
 namespace cairn {
 namespace {
@@ -84,6 +85,8 @@ Result<VerifyReport> verify_pack(const std::filesystem::path& path, const Verify
   v.digests.resize(pack->entry_count());
   check_entries(v, check_tile, options.threads, report.findings);
   check_entries(v, check_relations, options.threads, report.findings);
+  if (report.findings.size() < options.most_findings)
+    check_rqt_layer(*pack, options.threads, report.findings);
   if (report.findings.size() > options.most_findings) report.findings.resize(options.most_findings);
   return report;
 }

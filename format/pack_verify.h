@@ -29,10 +29,11 @@ struct VerifyOptions {
 /// index and metadata cover each byte once, so that no byte can change unnoticed; that each tile decodes and
 /// its entry tells the truth; that parents are there, equal their children's every second sample and have no
 /// smaller error; that neighbours, also across the antimeridian, share their edge samples bit for bit; that
-/// what overhangs the world is void. Blocks of Layer::rqt are checked by their checksum only.
+/// what overhangs the world is void; that the triangulations of Layer::rqt are those that the heights give.
 ///
-/// Each tile is decoded once; 112 bytes a tile are kept. Damage is a finding; an error is what kept the file
-/// from being read. The findings come in the index's order, whatever the number of threads, unless
+/// Each tile is decoded once, where there is an rqt layer three times; 112 bytes a tile are kept, and with
+/// rqt 4 bytes a sample of an edge for each tile of a level. Damage is a finding; an error is what kept the
+/// file from being read. The findings come in the index's order, whatever the number of threads, unless
 /// most_findings cuts them off.
 Result<VerifyReport> verify_pack(const std::filesystem::path& path, const VerifyOptions& options = {});
 

@@ -188,6 +188,9 @@ void add_bake(CLI::App& app, int& exit_code) {
       ->delimiter(',')
       ->expected(4);
   add_accuracy_options(*verb, *arguments);
+  verb->add_option("--rqt", o.rqt_tolerance_m,
+                   "also store triangulations off by less than so many metres at the finest level")
+      ->check(CLI::Range(1e-4, 1e4));
   add_datum_options(*verb, *arguments);
   add_imagery_options(*verb, *arguments);
   add_work_options(*verb, *arguments);

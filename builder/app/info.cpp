@@ -49,6 +49,17 @@ void print_imagery(const Json& imagery) {
   }
 }
 
+void print_rqt(const Json& rqt) {
+  fmt::print("rqt\n  {:>5} {:>9} {:>14} {:>11} {:>12} {:>12}\n", "level", "tiles", "bytes", "bits/sample",
+             "tolerance m", "triangles");
+  for (const Json& level : rqt["levels"]) {
+    fmt::print("  {:>5} {:>9} {:>14} {:>11.3f} {:>12.3f} {:>12}\n", level["level"].get<int>(),
+               level["tiles"].get<std::uint64_t>(), level["bytes"].get<std::uint64_t>(),
+               level["bits_per_sample"].get<double>(), level["tolerance_m"].get<double>(),
+               level["triangles"].get<std::uint64_t>());
+  }
+}
+
 void print_accuracy(const Json& info) {
   const Json& a = info["accuracy"];
   if (!a.is_object()) return;
@@ -87,6 +98,7 @@ void print_text(const PackReader& pack, const Json& info) {
     print_levels("heights", info["levels"]);
   }
   if (info.contains("imagery")) print_imagery(info["imagery"]);
+  if (info.contains("rqt")) print_rqt(info["rqt"]);
   print_sources(info["sources"]);
 }
 

@@ -1,5 +1,7 @@
 #include "builder/app/pack_description.h"
 
+#include <cstdint>
+#include <map>
 #include <string>
 
 #include "builder/app/pack_metadata.h"
@@ -10,7 +12,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 double samples_a_tile(const PackReader& pack, Layer layer) {
-  const double side = pack.header().tile_size - (layer == Layer::heights ? 0 : 1);
+  const double side = pack.header().tile_size - (layer == Layer::imagery ? 1 : 0);
   return side * side;
 }
 
@@ -45,6 +47,23 @@ Json imagery_json(const PackReader& pack, const nlohmann::json& metadata) {
           {"sources", measured("/sources")}};
 }
 
+// A sample is one of the heights that are triangulated.
+Json rqt_json(const PackReader& pack) {
+  Json levels = levels_json(pack, Layer::rqt);
+  std::map<int, std::uint64_t> triangles;
+  for (std::size_t i = 0; i < pack.entry_count(); ++i) {
+    const IndexEntry entry = pack.entry(i);
+    if (entry.layer == Layer::rqt) triangles[entry.id.level] += static_cast<std::uint64_t>(entry.max_quanta);
+  }
+  for (Json& level : levels) {
+    level["tolerance_m"] = level["max_error_m"];
+    level["triangles"] = triangles[level["level"].get<int>()];
+    level.erase("max_error_m");
+    level.erase("constant_tiles");
+  }
+  return {{"levels", levels}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json describe_pack_file(const PackReader& pack, const nlohmann::json& metadata) {
@@ -62,6 +81,7 @@ nlohmann::ordered_json describe_pack_file(const PackReader& pack, const nlohmann
   info["file_bytes"] = header.file_bytes();
   info["levels"] = levels_json(pack, Layer::heights);
   if (pack.levels(Layer::imagery)) info["imagery"] = imagery_json(pack, metadata);
+  if (pack.levels(Layer::rqt)) info["rqt"] = rqt_json(pack);
   info["accuracy"] = of("accuracy");
   info["sources"] = of("sources");
   return info;

@@ -212,13 +212,13 @@ TEST_CASE("verify finds imagery that does not decode, and leaves good imagery al
   CHECK(finds(verify(raw_pack(dir, {{entry, {std::byte{2}, {}, {}, {}}}})), "imagery 2/8/4", "format"));
 }
 
-TEST_CASE("verify checks a layer of other blocks by its checksums") {
+TEST_CASE("verify finds triangulations that do not decode, and damage to their blocks") {
   const test::TempDir dir;
   IndexEntry entry;
   entry.layer = Layer::rqt;
   entry.id = {2, 8, 4};
   const fs::path path = raw_pack(dir, {{entry, std::vector<std::byte>(20, std::byte{7})}});
-  CHECK(verify(path).ok());
+  CHECK(finds(verify(path), "rqt 2/8/4", "rqt block: expected code 0 or 1"));
   auto bytes = test::read_bytes(path);
   bytes[kPackHeaderBytes] ^= std::byte{1};
   test::write_bytes(path, bytes);
