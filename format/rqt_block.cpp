@@ -83,7 +83,7 @@ std::vector<std::byte> encode_rqt_block(const RqtBlock& block) {
     });
   }
   std::vector<std::byte> frame;
-  append_zstd_frame(bits.bytes(), kZstdLevel, frame);
+  append_zstd_frame(bits.bytes(), {.level = kZstdLevel}, frame);
   const bool shorter = frame.size() < bits.bytes().size();
   std::vector<std::byte> out;
   ByteWriter writer(out);
