@@ -33,7 +33,8 @@ using ColourAt = std::function<std::array<std::uint8_t, 3>(LonLat place)>;
 
 enum class Layers { heights_and_imagery, imagery };
 
-/// Tiles of ridges with the colour at each texel's centre, at every mip, as imagery in this format.
+/// Tiles of ridges, those finer than kRidgesFinest without heights, with the colour at each texel's centre,
+/// at every mip, as imagery in this format.
 void write_coloured_pack(const std::filesystem::path& path, const std::vector<TileId>& tiles,
                          TextureFormat format, const ColourAt& colour,
                          Layers layers = Layers::heights_and_imagery);
