@@ -115,11 +115,16 @@ class Race {
         record.error.max_px <= flyer.tolerance_px + kMeasureError_px && record.error.holes == 0;
     flyer.before = std::move(now);
     flyer.has_before = true;
-    const std::size_t half = std::max<std::size_t>(path_.views.size() / 2, 1);
-    const bool large = flyer.contender->method->name == "full" && record.frame > 0;
-    if (record.frame % half == 0 && !large) {
+    if (checks_faults(flyer, record.frame)) {
       record.faults = find_faults(scene, flyer.lod->build(scene, {view, flyer.tolerance_px, false}));
     }
+  }
+
+  /// Whole maps are large, and `full` makes the same grids everywhere.
+  bool checks_faults(const Flyer& flyer, std::size_t frame) const {
+    const double largest = *std::max_element(spec_.tolerances_px.begin(), spec_.tolerances_px.end());
+    const std::size_t half = std::max<std::size_t>(path_.views.size() / 2, 1);
+    return frame % half == 0 && flyer.tolerance_px == largest && flyer.contender->method->name != "full";
   }
 
   LabTerrain& terrain_;
