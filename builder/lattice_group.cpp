@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 
+#include "builder/fading.h"
 #include "format/wide.h"
 
 namespace cairn {
@@ -42,6 +44,39 @@ CAIRN_WIDE bool all_have_values(const std::vector<std::uint16_t>& owners) {
   int without = 0;  // no early end, likewise
   for (const std::uint16_t owner : owners) without |= PostBlock::has_value(owner) ? 0 : 1;
   return without == 0;
+}
+
+bool any_filled(const std::vector<SampleState>& states) {
+  return std::find(states.begin(), states.end(), SampleState::filled) != states.end();
+}
+
+// By post: how many posts it is to the nearest one with a value, along the axis where it is farther; `most`
+// where it is that or more.
+std::vector<int> distances_to_values(const PostBlock& block, int most) {
+  std::vector<int> along_rows(block.owners.size(), most);
+  const auto sweep = [&](int r, int first, int step) {
+    int distance = most;
+    for (int c = first; c >= 0 && c < block.columns; c += step) {
+      distance = PostBlock::has_value(block.owners[block.index(c, r)]) ? 0 : std::min(distance + 1, most);
+      int& least = along_rows[block.index(c, r)];
+      least = std::min(least, distance);
+    }
+  };
+  for (int r = 0; r < block.rows; ++r) {
+    sweep(r, 0, 1);
+    sweep(r, block.columns - 1, -1);
+  }
+  std::vector<int> distances(along_rows);
+  for (int r = 0; r < block.rows; ++r) {
+    for (int other = std::max(r - most, 0); other <= std::min(r + most, block.rows - 1); ++other) {
+      const int apart = std::abs(other - r);
+      for (int c = 0; c < block.columns; ++c) {
+        int& least = distances[block.index(c, r)];
+        least = std::min(least, std::max(apart, along_rows[block.index(c, other)]));
+      }
+    }
+  }
+  return distances;
 }
 
 IndexRange hull(IndexRange a, IndexRange b) {
@@ -90,9 +125,11 @@ LatticeGroup::LatticeGroup(SourcePool& pool, const Geoid* geoid, const Lattice& 
   }
 }
 
-void LatticeGroup::set_reach(double degrees) {
+void LatticeGroup::set_reach(double solid_degrees, double fade_degrees) {
   const double densest = std::max(lattice_.lon.posts_per_degree, lattice_.lat.posts_per_degree);
-  fill_.set_reach(static_cast<std::int64_t>(std::ceil(degrees * densest)));
+  solid_posts_ = solid_degrees * densest;
+  fade_posts_ = fade_degrees * densest;
+  fill_.set_reach(static_cast<std::int64_t>(std::ceil(solid_posts_ + fade_posts_)));
 }
 
 // Copies the member's posts, shifted by `turn` posts around the Earth, to where the block has no value yet.
@@ -173,6 +210,43 @@ std::vector<SampleState> LatticeGroup::states_of(const SampleWindow& window, con
   return states;
 }
 
+// The fade of a void's fill from its rim inwards, as that of the group beyond its footprint. Distances
+// between posts are interpolated at samples, so the weight is as smooth as they are.
+Result<std::vector<float>> LatticeGroup::fill_weights(const SampleWindow& window) const {
+  const auto reach = static_cast<std::int64_t>(std::ceil(solid_posts_ + fade_posts_)) + 1;
+  const IndexRange columns{lon_positions_.first_post_from(window.column) - 1,
+                           lon_positions_.first_post_from(window.column + window.columns - 1)};
+  const IndexRange rows{lat_positions_.first_post_from(window.row) - 1,
+                        lat_positions_.first_post_from(window.row + window.rows - 1)};
+  const auto block =
+      read_posts({columns.first - reach, columns.last + reach}, {rows.first - reach, rows.last + reach});
+  if (!block) return block.error();
+  const std::vector<int> distances = distances_to_values(*block, static_cast<int>(reach));
+
+  const auto places = [](const AxisPositions& positions, std::int64_t first, int count, std::int64_t origin) {
+    std::vector<double> all;
+    for (std::int64_t s = first; s < first + count; ++s)
+      all.push_back(positions.post_coordinate(s) - static_cast<double>(origin));
+    return all;
+  };
+  const auto xs = places(lon_positions_, window.column, window.columns, block->i0);
+  std::vector<float> weights;
+  weights.reserve(window.count());
+  for (const double y : places(lat_positions_, window.row, window.rows, block->j0)) {
+    for (const double x : xs) {
+      const auto c = static_cast<int>(x), r = static_cast<int>(y);
+      const double u = x - c, v = y - r;
+      const auto at = [&](int i, int j) {
+        return static_cast<double>(distances[block->index(c + i, r + j)]);
+      };
+      const double distance =
+          (1 - v) * ((1 - u) * at(0, 0) + u * at(1, 0)) + v * ((1 - u) * at(0, 1) + u * at(1, 1));
+      weights.push_back(static_cast<float>(fading(distance - solid_posts_, fade_posts_)));
+    }
+  }
+  return weights;
+}
+
 MeasuredPosts LatticeGroup::posts_of(const SampleWindow& window, PostBlock&& block) const {
   const IndexRange columns = posts_within(lon_positions_, range_of(window.column, window.columns));
   const IndexRange rows = posts_within(lat_positions_, range_of(window.row, window.rows));
@@ -215,6 +289,11 @@ Result<GroupSamples> LatticeGroup::sample(const SampleWindow& window) const {
   }
   samples.posts = posts_of(window, PostBlock(*block));
   samples.states = states_of(window, *block);
+  if (fade_posts_ > 0 && any_filled(samples.states)) {
+    auto weights = fill_weights(window);
+    if (!weights) return weights.error();
+    samples.fill_weights = std::move(*weights);
+  }
   if (auto status = fill_.complete(*block); !status) return status.error();
   resample_regular(lon_, lat_, from, block->heights, to, samples.heights);
   return samples;

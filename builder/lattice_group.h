@@ -29,7 +29,7 @@ class LatticeGroup final : public SourceGroup {
   LatticeGroup(SourcePool& pool, const Geoid* geoid, const Lattice& lattice, std::vector<Member> members,
                int native_level, double samples_per_degree, ResampleMethod method);
 
-  void set_reach(double degrees) override;
+  void set_reach(double solid_degrees, double fade_degrees) override;
   Result<GroupSamples> sample(const SampleWindow& window) const override;
 
   /// The mosaic's posts before voids are filled, wrapped around the Earth.
@@ -38,6 +38,7 @@ class LatticeGroup final : public SourceGroup {
  private:
   Status read_member(std::size_t member, std::int64_t turn, PostBlock& block) const;
   std::vector<SampleState> states_of(const SampleWindow& window, const PostBlock& block) const;
+  Result<std::vector<float>> fill_weights(const SampleWindow& window) const;
   MeasuredPosts posts_of(const SampleWindow& window, PostBlock&& block) const;
 
   SourcePool& pool_;
@@ -51,6 +52,8 @@ class LatticeGroup final : public SourceGroup {
   std::int64_t
       around_;  ///< posts around the Earth; so many that nothing wraps where 360 degrees are no whole number
   LatticeFill fill_;
+  double solid_posts_ = 1;  ///< see set_reach()
+  double fade_posts_ = 0;
 };
 
 }  // namespace cairn

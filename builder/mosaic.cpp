@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "builder/fading.h"
 #include "builder/source_grouping.h"
 #include "builder/upsample.h"
 
@@ -12,10 +13,6 @@ namespace cairn {
 namespace {
 
 constexpr double kTouch = 1e-8;  // degrees: a footprint that ends on a tile's edge touches it
-
-double smoothstep(double t) {
-  return t * t * (3 - 2 * t);
-}
 
 GeoBounds bounds_of(const SampleWindow& w) {
   return {w.lon_of(0), w.lat_of(0), w.lon_of(w.columns - 1), w.lat_of(w.rows - 1)};
@@ -74,7 +71,7 @@ void Mosaic::set_reaches() {
       });
       if (beneath) reach.fade = std::max(reach.fade, spacing);
     }
-    groups_[g]->set_reach(reach.solid + reach.fade);
+    groups_[g]->set_reach(reach.solid, reach.fade);
     reaches_.push_back(reach);
   }
 }
@@ -121,7 +118,6 @@ std::vector<std::size_t> Mosaic::groups_touching(const GeoBounds& bounds) const 
     const double reach = reaches_[g].fade > 0 ? reaches_[g].solid + reaches_[g].fade : kTouch;
     if (!groups_[g]->footprint().overlaps(bounds, reach)) continue;
     touching.push_back(g);
-    if (groups_[g]->footprint().contains(bounds)) break;  // nothing beneath it shows here
   }
   return touching;
 }
@@ -135,9 +131,7 @@ std::optional<int> Mosaic::leaf_level(const TileId& id) const {
 }
 
 double Mosaic::weight(std::size_t group, const Footprint& near, LonLat place) const {
-  const double beyond = near.distance_to(place) - reaches_[group].solid;
-  if (beyond <= 0) return 1;
-  return beyond >= reaches_[group].fade ? 0 : smoothstep(1 - beyond / reaches_[group].fade);
+  return fading(near.distance_to(place) - reaches_[group].solid, reaches_[group].fade);
 }
 
 // Lays the group's samples over what the tile has so far.
@@ -145,19 +139,23 @@ void Mosaic::blend(std::size_t group, const SampleWindow& window, GroupSamples&&
                    MosaicTile& tile) const {
   const Footprint near =
       groups_[group]->footprint().near(bounds_of(window), reaches_[group].solid + reaches_[group].fade);
+  const bool fades_in_voids = !samples.fill_weights.empty();
   std::size_t at = 0;
   for (int r = 0; r < window.rows; ++r) {
     for (int c = 0; c < window.columns; ++c, ++at) {
       const SampleState above = samples.states.empty() ? SampleState::sourced : samples.states[at];
       const bool ends_here = above == SampleState::none && !groups_[group]->reaches_beyond_footprint();
-      const double w = ends_here ? 0 : weight(group, near, {window.lon_of(c), window.lat_of(r)});
+      double w = ends_here ? 0 : weight(group, near, {window.lon_of(c), window.lat_of(r)});
+      if (above == SampleState::filled && fades_in_voids)
+        w = std::min(w, static_cast<double>(samples.fill_weights[at]));
       if (tile.states[at] == SampleState::none) {
         tile.heights[at] = samples.heights[at];
         tile.states[at] = above;
       } else if (w > 0 && !std::isnan(samples.heights[at])) {
         tile.heights[at] = static_cast<float>(w * static_cast<double>(samples.heights[at]) +
                                               (1 - w) * static_cast<double>(tile.heights[at]));
-        tile.states[at] = w == 1 && above != SampleState::none ? above : tile.states[at];
+        if (w == 1 && above != SampleState::none)
+          tile.states[at] = fades_in_voids ? std::max(above, tile.states[at]) : above;
       }
     }
   }
@@ -179,31 +177,43 @@ void Mosaic::drop_losing_posts(const SampleWindow& window, std::span<const std::
   }
 }
 
-Result<MosaicTile> Mosaic::sample_window(const SampleWindow& window, int level) const {
-  const std::vector<std::size_t> touching = groups_touching(bounds_of(window));
-  MosaicTile tile;
-  tile.posts.resize(touching.size());
-  tile.groups = touching;
-  for (std::size_t k = touching.size(); k-- > 0;) {
-    const SourceGroup& group = *groups_[touching[k]];
-    const int levels = level - group.native_level();
+// The samples of the groups that show in the window, from the top: nothing shows beneath one that has a value
+// everywhere.
+Result<std::vector<Mosaic::Layer>> Mosaic::sample_layers(const SampleWindow& window, int level) const {
+  std::vector<Layer> layers;
+  for (const std::size_t g : groups_touching(bounds_of(window))) {
+    const int levels = level - groups_[g]->native_level();
     assert(levels >= 0);
-    auto samples = group.sample(coarser_window(window, levels));
+    auto samples = groups_[g]->sample(coarser_window(window, levels));
     if (!samples) return samples.error();
     if (levels > 0) *samples = upsample(*samples, window, levels);
-    tile.posts[k] = std::move(samples->posts);
-    if (touching.size() == 1) {
-      tile.heights = std::move(samples->heights);
-      tile.states = std::move(samples->states);
-      return tile;
-    }
-    if (tile.heights.empty()) {
-      tile.heights.assign(window.count(), std::numeric_limits<float>::quiet_NaN());
-      tile.states.assign(window.count(), SampleState::none);
-    }
-    blend(touching[k], window, std::move(*samples), tile);
+    layers.push_back({g, std::move(*samples)});
+    const auto& states = layers.back().samples.states;
+    const bool complete =
+        std::all_of(states.begin(), states.end(), [](SampleState s) { return s == SampleState::sourced; });
+    if (complete && groups_[g]->footprint().contains(bounds_of(window))) break;
   }
-  drop_losing_posts(window, touching, tile);
+  return layers;
+}
+
+Result<MosaicTile> Mosaic::sample_window(const SampleWindow& window, int level) const {
+  auto layers = sample_layers(window, level);
+  if (!layers) return layers.error();
+  MosaicTile tile;
+  for (Layer& layer : *layers) {
+    tile.groups.push_back(layer.group);
+    tile.posts.push_back(std::move(layer.samples.posts));
+  }
+  if (layers->size() == 1) {
+    tile.heights = std::move(layers->front().samples.heights);
+    tile.states = std::move(layers->front().samples.states);
+    return tile;
+  }
+  tile.heights.assign(window.count(), std::numeric_limits<float>::quiet_NaN());
+  tile.states.assign(window.count(), SampleState::none);
+  for (std::size_t k = layers->size(); k-- > 0;)
+    blend((*layers)[k].group, window, std::move((*layers)[k].samples), tile);
+  drop_losing_posts(window, tile.groups, tile);
   return tile;
 }
 

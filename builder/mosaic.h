@@ -24,7 +24,7 @@ struct MosaicTile {
 /// All sources of a bake as one surface. Groups of sources win over one another as wholes: finer posts first,
 /// then the order on the command line. Beyond the edge of a group its heights fade into those beneath over
 /// one post of the coarsest group beneath, so there is no cliff; posts beneath lose as far as the fading
-/// reaches.
+/// reaches. A group fades the same way into its voids, from their rims inwards, where something lies beneath.
 ///
 /// A group is sampled at its native level only; where a finer group makes finer tiles, it is interpolated
 /// linearly from there. So a sample's height is a function of its place alone, whichever tile asks and at
@@ -69,6 +69,11 @@ class Mosaic {
   void set_reaches();
   double weight(std::size_t group, const Footprint& near, LonLat place) const;
   std::vector<std::size_t> groups_touching(const GeoBounds& bounds) const;
+  struct Layer {
+    std::size_t group = 0;
+    GroupSamples samples;
+  };
+  Result<std::vector<Layer>> sample_layers(const SampleWindow& window, int level) const;
   Result<MosaicTile> sample_window(const SampleWindow& window, int level) const;
   void blend(std::size_t group, const SampleWindow& window, GroupSamples&& samples, MosaicTile& tile) const;
   void drop_losing_posts(const SampleWindow& window, std::span<const std::size_t> touching,

@@ -27,7 +27,7 @@ class ProjectedGroup final : public SourceGroup {
   ProjectedGroup(SourcePool& pool, const Geoid* geoid, std::size_t source, int native_level, int tile_size,
                  double tolerance_m);
 
-  void set_reach(double /*degrees*/) override {}  // it ends where its posts end
+  void set_reach(double /*solid*/, double /*fade*/) override {}  // it ends where its posts end
   Result<GroupSamples> sample(const SampleWindow& window) const override;
 
  private:

@@ -33,7 +33,10 @@ struct MeasuredPosts {
 struct GroupSamples {
   std::vector<float> heights;       ///< metres, rows south to north; NaN only where the state is none
   std::vector<SampleState> states;  ///< empty where all are sourced
-  MeasuredPosts posts;              ///< in the closed window
+  /// How much a filled sample's height counts against what lies beneath the group: 1 beside the rim of the
+  /// void, 0 farther in than the group fades. Empty where no sample is filled, or nothing lies beneath.
+  std::vector<float> fill_weights;
+  MeasuredPosts posts;  ///< in the closed window
 };
 
 /// Sources that are resampled together: rasters on one lattice, or one projected raster. Sampling is a pure
@@ -56,8 +59,9 @@ class SourceGroup {
   /// The members' numbers in the SourcePool, by the order in which they win.
   const std::vector<std::size_t>& sources() const { return sources_; }
 
-  /// How far beyond its footprint the group is asked for, in degrees. Before any sample() only.
-  virtual void set_reach(double degrees) = 0;
+  /// How the group ends, beyond its footprint and inside its voids, in degrees: so far it counts alone, and
+  /// so much farther it fades into what lies beneath (0 where nothing does). Before any sample() only.
+  virtual void set_reach(double solid_degrees, double fade_degrees) = 0;
 
   /// REQUIRES: the window has the native level's density.
   virtual Result<GroupSamples> sample(const SampleWindow& window) const = 0;

@@ -82,16 +82,20 @@ GroupSamples upsample(const GroupSamples& coarse, const SampleWindow& window, in
   const SampleWindow from = coarser_window(window, levels);
   const auto columns = neighbours(window.column, window.columns, from.column, levels);
   const auto rows = neighbours(window.row, window.rows, from.row, levels);
-  GroupSamples fine;
-  fine.heights.reserve(window.count());
-  for (const Neighbours& r : rows) {
-    const float* low = coarse.heights.data() + r.low * from.columns;
-    const float* high = coarse.heights.data() + r.high * from.columns;
-    for (const Neighbours& c : columns) {
-      fine.heights.push_back(between(between(low[c.low], low[c.high], c.fraction),
-                                     between(high[c.low], high[c.high], c.fraction), r.fraction));
+  const auto interpolate = [&](const std::vector<float>& values, std::vector<float>& out) {
+    out.reserve(window.count());
+    for (const Neighbours& r : rows) {
+      const float* low = values.data() + r.low * from.columns;
+      const float* high = values.data() + r.high * from.columns;
+      for (const Neighbours& c : columns) {
+        out.push_back(between(between(low[c.low], low[c.high], c.fraction),
+                              between(high[c.low], high[c.high], c.fraction), r.fraction));
+      }
     }
-  }
+  };
+  GroupSamples fine;
+  interpolate(coarse.heights, fine.heights);
+  if (!coarse.fill_weights.empty()) interpolate(coarse.fill_weights, fine.fill_weights);
   if (!coarse.states.empty()) {
     const auto state = [&](int c, int r) {
       return coarse.states[static_cast<std::size_t>(r * from.columns + c)];
