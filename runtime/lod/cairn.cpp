@@ -1,0 +1,254 @@
+// Our own: the fewest triangles of the restricted quadtree triangulation that keep the tolerance.
+//
+// When a tile is loaded, every vertex of its bisection hierarchy gets the largest distance of the samples
+// from the triangles that it would bisect (SquareErrors). A picture then takes exactly the vertices whose
+// triangles it would see off by more than the tolerance, and those that they need (BisectionForest). As that
+// closure is worked out, errors need not grow towards the coarse as SOAR's have to, where a fine cliff at the
+// far end of a large square makes all that is above it as bad; the largest error within a square only says
+// where not to look.
+//
+// A vertical error is seen under the angle between the ray and the vertical: looking down it hardly shows. A
+// displacement δ of a point at depth z, with P the ray from the eye to it, moves its picture by f|z·δ⊥ −
+// P⊥·δz| / (z(z−δz)) <= f|P×δ| / (z(z−|δ|)) pixels, exactly, not to first order. So with e the error of a
+// triangle, g that of the tile (both vertical) and c the chord of the Earth's curvature (any direction),
+// f((e+g)|P×up| + c|P|) / (z(z−e−g−c)) <= τ is what is asked of a triangle, over a sphere around its square.
+//
+// Promise: every finest sample in the picture is within τ of its place on the screen, where the tiles' own
+// error takes at most three quarters of τ; where it takes more, within that and a quarter of τ. Along borders
+// where a finer tile has vertices that this one has no samples for, conform() splits triangles of one cell:
+// there the tile's error counts twice.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <unordered_map>
+
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+
+#include "runtime/lod/mesh/bisection_forest.h"
+#include "runtime/lod/mesh/conform.h"
+#include "runtime/lod/mesh/cpu_clock.h"
+#include "runtime/lod/mesh/screen.h"
+#include "runtime/lod/mesh/square_errors.h"
+#include "runtime/lod/mesh/tile_culling.h"
+#include "runtime/lod/mesh/tile_window.h"
+
+namespace cairn {
+namespace {
+
+/// What a triangle of the square may be off by, as it is seen from one eye.
+class Allowance {
+ public:
+  explicit Allowance(const LodView& view)
+      : screen_(view.view),
+        focal_px_(screen_.pixels_per_radian()),
+        tolerance_px_(view.tolerance_px),
+        inward_(side_planes(view.view, screen_.camera())),
+        corner_cosine_(corner_cosine(view.view)) {}
+
+  /// Over a sphere: how displacements become pixels.
+  struct Scale {
+    double depth_m = 0;      ///< along the view, or less; 0 or below: the sphere may come beside the eye
+    double vertical_px = 0;  ///< a vertical displacement δ moves by vertical_px·δ/(depth - δ) at most
+    double any_px = 0;       ///< one in any direction
+    bool is_small = false;   ///< the scale hardly changes over it
+  };
+  Scale scale_of(const SquareSphere& sphere) const {
+    const glm::dvec3 to = sphere.centre - screen_.camera().position;
+    const double distance = glm::length(to), radius = sphere.radius_m, far = distance + radius;
+    Scale scale;
+    scale.depth_m =
+        std::max(glm::dot(to, screen_.camera().forward) - radius, (distance - radius) * corner_cosine_);
+    if (scale.depth_m <= 0) return scale;
+    // The ellipsoid's normal is within 0.2° of the direction from its middle.
+    const double from_middle = glm::length(sphere.centre);
+    const double beside = glm::length(glm::cross(to, sphere.centre)) / from_middle + radius +
+                          far * (radius / from_middle + 0.0034);
+    scale.any_px = focal_px_ * std::min(1 / corner_cosine_, far / scale.depth_m);
+    scale.vertical_px = std::min(scale.any_px, focal_px_ * beside / scale.depth_m);
+    scale.is_small = radius * 16 < scale.depth_m;
+    return scale;
+  }
+
+  /// The largest error of a triangle, in metres, beside the tile's own and the chord's; negative: none.
+  double error_m(const Scale& scale, double tile_m, double chord_m) const {
+    if (scale.depth_m <= 0) return -1;
+    const double room = (tolerance_px_ * scale.depth_m - chord_m * (scale.any_px + tolerance_px_)) /
+                        (scale.vertical_px + tolerance_px_);
+    return std::max(room - tile_m, room / 4);
+  }
+
+  bool sees(const SquareSphere& sphere) const {
+    const glm::dvec3 to = sphere.centre - screen_.camera().position;
+    return std::all_of(inward_.begin(), inward_.end(),
+                       [&](const glm::dvec3& n) { return glm::dot(n, to) >= -sphere.radius_m; });
+  }
+
+ private:
+  static std::array<glm::dvec3, 4> side_planes(const ViewState& view, const CameraFrame& camera) {
+    const double high = std::tan(glm::radians(view.fov_y_deg) / 2);
+    const double wide = high * view.viewport_width_px / view.viewport_height_px;
+    return {glm::normalize(camera.forward * wide + camera.right),
+            glm::normalize(camera.forward * wide - camera.right),
+            glm::normalize(camera.forward * high + camera.up),
+            glm::normalize(camera.forward * high - camera.up)};
+  }
+  static double corner_cosine(const ViewState& view) {
+    const double high = std::tan(glm::radians(view.fov_y_deg) / 2);
+    return 1 / std::hypot(1.0, high, high * view.viewport_width_px / view.viewport_height_px);
+  }
+
+  Screen screen_;
+  double focal_px_;
+  double tolerance_px_;
+  std::array<glm::dvec3, 4> inward_;
+  double corner_cosine_;
+};
+
+/// Enables what one tile's squares ask for.
+class Selection {
+ public:
+  Selection(const SquareErrors& errors, const LodTile& tile, std::size_t number, const TileWindow& window,
+            const Allowance& allowance, bool cull, BisectionForest& forest)
+      : errors_(errors),
+        tile_(tile),
+        number_(number),
+        column_(window.column()),
+        row_(window.row()),
+        allowance_(allowance),
+        cull_(cull),
+        forest_(forest) {}
+
+  void run() {
+    const int k = forest_.levels(number_);
+    if (k > 0) look(k, column_ >> k, row_ >> k);
+  }
+
+ private:
+  struct Limits {
+    std::array<int, 16> centre;
+    std::array<int, 16> middle;
+  };
+
+  // A square that is looked at for itself: (x, y) of its tile.
+  void look(int k, int x, int y) {
+    const SquareSphere& sphere = errors_.sphere(k, x, y);
+    if (cull_ && !allowance_.sees(sphere)) return;
+    const Allowance::Scale scale = allowance_.scale_of(sphere);
+    const bool alone = k > SquareErrors::kSphereLevel && !scale.is_small;
+    Limits limits;
+    for (int j = k; j >= (alone ? k : 1); --j) {
+      const auto i = static_cast<std::size_t>(j);
+      limits.centre[i] = limit(scale, errors_.chord_m(j));
+      limits.middle[i] = limit(scale, errors_.chord_m(j) / 2);
+    }
+    if (!alone) {
+      enable_within(k, x, y, limits);
+      return;
+    }
+    if (errors_.at(k, x, y).below <= limits.centre[static_cast<std::size_t>(k)]) return;
+    enable(k, x, y, limits);
+    for (int q = 0; q < 4; ++q) look(k - 1, 2 * x + (q & 1), 2 * y + (q >> 1));
+  }
+
+  int limit(const Allowance::Scale& scale, double chord_m) const {
+    return errors_.code().limit(static_cast<float>(allowance_.error_m(scale, tile_.error_m, chord_m)));
+  }
+
+  void enable_within(int k, int x, int y, const Limits& limits) {
+    if (errors_.at(k, x, y).below <= limits.centre[static_cast<std::size_t>(k)]) return;
+    enable(k, x, y, limits);
+    for (int q = 0; k > 1 && q < 4; ++q) enable_within(k - 1, 2 * x + (q & 1), 2 * y + (q >> 1), limits);
+  }
+
+  void enable(int k, int x, int y, const Limits& limits) {
+    const SquareError& square = errors_.at(k, x, y);
+    const int column = x - (column_ >> k), row = y - (row_ >> k);
+    if (square.centre > limits.centre[static_cast<std::size_t>(k)])
+      forest_.enable_centre(number_, k, column, row);
+    for (unsigned side = 0; side < 4; ++side) {
+      if (square.middles[side] > limits.middle[static_cast<std::size_t>(k)])
+        forest_.enable_middle(number_, k, column, row, static_cast<BisectionForest::Side>(side));
+    }
+  }
+
+  const SquareErrors& errors_;
+  const LodTile& tile_;
+  std::size_t number_;
+  int column_;
+  int row_;
+  const Allowance& allowance_;
+  bool cull_;
+  BisectionForest& forest_;
+};
+
+class Cairn : public LodMethod {
+ public:
+  void prepare(const LodScene& scene) override {
+    std::unordered_map<TileId, bool> between_samples;
+    for (const LodTile& tile : scene.tiles) between_samples[tile.source] |= tile.error_m > 0;
+    std::erase_if(errors_, [&](const auto& item) {
+      const auto wanted = between_samples.find(item.first);
+      return wanted == between_samples.end() || wanted->second != item.second.between_samples();
+    });
+    for (const LodTile& tile : scene.tiles) {
+      if (!errors_.contains(tile.source))
+        errors_.emplace(tile.source, SquareErrors(scene, tile, between_samples.at(tile.source)));
+    }
+    forest_.prepare(scene);
+  }
+
+  std::uint64_t prepared_bytes() const override {
+    std::uint64_t bytes = forest_.bytes();
+    for (const auto& [source, errors] : errors_) bytes += errors.bytes();
+    return bytes;
+  }
+
+  LodMesh build(const LodScene& scene, const LodView& view) override {
+    const double start = thread_cpu_s();
+    const Allowance allowance(view);
+    const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
+    forest_.begin();
+    for (const std::size_t i : drawn) {
+      const LodTile& tile = scene.tiles[i];
+      Selection(errors_.at(tile.source), tile, i, TileWindow(scene, tile), allowance, view.cull, forest_)
+          .run();
+    }
+    const double selected = thread_cpu_s();
+    LodMesh mesh;
+    for (const std::size_t i : drawn) append(scene, view, allowance, i, mesh);
+    conform(scene, mesh);
+    mesh.count(IndexForm::list, {3 * mesh.triangle_count(), mesh.tiles.size()});
+    mesh.selection_s = selected - start;
+    mesh.building_s = thread_cpu_s() - selected;
+    return mesh;
+  }
+
+ private:
+  void append(const LodScene& scene, const LodView& view, const Allowance& allowance, std::size_t i,
+              LodMesh& mesh) {
+    const LodTile& tile = scene.tiles[i];
+    const SquareErrors& errors = errors_.at(tile.source);
+    const TileWindow window(scene, tile);
+    const int never = 16;
+    forest_.append(
+        scene, i, view.cull ? SquareErrors::kSphereLevel : never,
+        [&](int k, int x, int y) {
+          return allowance.sees(errors.sphere(k, x + (window.column() >> k), y + (window.row() >> k)));
+        },
+        mesh);
+  }
+
+  std::unordered_map<TileId, SquareErrors> errors_;
+  BisectionForest forest_;
+};
+
+}  // namespace
+
+extern const LodMethodInfo cairn_lod_method;
+const LodMethodInfo cairn_lod_method{
+    "cairn", true, [](const LodOptions&) -> std::unique_ptr<LodMethod> { return std::make_unique<Cairn>(); }};
+
+}  // namespace cairn

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "runtime/lod_method.h"
+
+namespace cairn {
+
+/// A length as one byte, rounded up: sixteen steps an octave, so 3 to 6 % too large, over sixteen octaves.
+/// Ordered like the lengths.
+class LengthCode {
+ public:
+  /// Of lengths up to this.
+  explicit LengthCode(float largest_m);
+
+  /// The code of a length; 0 only of 0.
+  std::uint8_t round_up(float length_m) const;
+  /// The largest code whose lengths are all at most this; -1 for a negative length.
+  int limit(float length_m) const;
+
+ private:
+  std::int64_t base_ = 0;
+};
+
+/// Of a square of a tile's hierarchy: how far samples are, at most, from the triangles that are bisected at
+/// its centre and at the middles of its edges (south, east, north, west), as LengthCode.
+struct SquareError {
+  std::uint8_t below = 0;  ///< the largest of these and of all squares within
+  std::uint8_t centre = 0;
+  std::array<std::uint8_t, 4> middles{};
+};
+
+/// A sphere around all of the surface over a square.
+struct SquareSphere {
+  glm::dvec3 centre{0};
+  double radius_m = 0;
+};
+
+/// What is known of a tile when it is loaded, for bisecting its squares where a picture asks for it.
+///
+/// The errors are those of bisection_errors(), in metres. Where the tile stands for finer ones, so that
+/// places between its samples count, a quarter of the largest twist of the cells that a triangle's diagonals
+/// cut is added: there, and only there, the triangle differs by more than at the samples from the tile's
+/// bilinear surface, of which the tile's own error speaks. The Earth's curvature is not in them: see
+/// chord_m().
+class SquareErrors {
+ public:
+  /// Squares with spheres have at least this many cells.
+  static constexpr int kSphereLevel = 4;
+
+  SquareErrors(const LodScene& scene, const LodTile& tile, bool between_samples);
+
+  bool between_samples() const { return between_samples_; }
+  int levels() const { return levels_; }  ///< log2 of the tile's cells
+  const LengthCode& code() const { return code_; }
+  const SquareError& at(int k, int x, int y) const { return squares_[slot(k, x, y)]; }
+  /// Of the square, or of the smallest one around it that has one.
+  const SquareSphere& sphere(int k, int x, int y) const;
+
+  /// How far a flat triangle is from the curved Earth, at most: one bisected at the centre of a square of 2^k
+  /// cells; half of it where it is bisected at a middle. |∂²P|·ρ²/2, ρ the radius of the triangle's
+  /// circumcircle in degrees of the grid and |∂²P| <= 2/√3 (R+h) the second derivative of the position along
+  /// any direction of the grid, largest near the poles.
+  double chord_m(int k) const { return chord_of_cell_m_ * static_cast<double>(std::uint64_t{1} << (2 * k)); }
+
+  std::uint64_t bytes() const;
+
+ private:
+  std::size_t slot(int k, int x, int y) const {
+    return first_[static_cast<std::size_t>(k)] + (static_cast<std::size_t>(y) << (levels_ - k)) +
+           static_cast<std::size_t>(x);
+  }
+  void fill(const HeightTile& heights, const std::vector<float>& errors_m,
+            const std::vector<float>& twists_m);
+  void place_spheres(const LodScene& scene, const LodTile& tile);
+
+  int levels_;
+  bool between_samples_;
+  double chord_of_cell_m_;
+  LengthCode code_{1};
+  std::array<std::size_t, 16> first_{};
+  std::vector<SquareError> squares_;
+  std::vector<SquareSphere> spheres_;  ///< by slot: the larger squares come first
+};
+
+}  // namespace cairn
