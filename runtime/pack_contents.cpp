@@ -6,13 +6,20 @@
 namespace cairn {
 namespace {
 
-/// The height tiles of the pack's coarsest level: the index ascends by layer and level, so that they come
-/// first.
-std::vector<IndexEntry> coarsest_tiles(const PackReader& pack) {
+/// The tiles of a layer's coarsest level: the index ascends by layer and level, and may be long.
+std::vector<IndexEntry> coarsest_tiles(const PackReader& pack, Layer layer) {
+  std::size_t begin = 0;
+  for (std::size_t end = pack.entry_count(); begin < end;) {
+    const std::size_t middle = begin + (end - begin) / 2;
+    if (pack.entry(middle).layer < layer)
+      begin = middle + 1;
+    else
+      end = middle;
+  }
   std::vector<IndexEntry> tiles;
-  for (std::size_t i = 0; i < pack.entry_count(); ++i) {
+  for (std::size_t i = begin; i < pack.entry_count(); ++i) {
     const IndexEntry entry = pack.entry(i);
-    if (entry.layer != Layer::heights || entry.id.level != pack.entry(0).id.level) break;
+    if (entry.layer != layer || entry.id.level != pack.entry(begin).id.level) break;
     tiles.push_back(entry);
   }
   return tiles;
@@ -24,15 +31,19 @@ PackContents::PackContents(std::shared_ptr<const PackReader> pack)
     : pack_(std::move(pack)),
       heights_(pack_->levels(Layer::heights)),
       imagery_(pack_->levels(Layer::imagery)) {
-  for (const IndexEntry& tile : coarsest_tiles(*pack_)) {
+  for (const IndexEntry& tile : coarsest_tiles(*pack_, Layer::heights)) {
     // A finer tile may go below its ancestor by the ancestor's error.
     const double error = static_cast<double>(tile.geometric_error_m);
     lowest_m_ = std::min(lowest_m_, tile.min_quanta * pack_->header().quantum_m - error);
-    for (TileId id = tile.id; id.level > kMinLevel && above_.insert(parent_of(id)).second;)
-      id = parent_of(id);
+    note_ancestors(tile.id);
   }
+  for (const IndexEntry& tile : coarsest_tiles(*pack_, Layer::imagery)) note_ancestors(tile.id);
   lowest_m_ =
       std::max(lowest_m_, -20000.0);  // deeper than any ground: a wrong error must not void the horizon
+}
+
+void PackContents::note_ancestors(TileId id) {
+  while (id.level > kMinLevel && above_.insert(parent_of(id)).second) id = parent_of(id);
 }
 
 PackReader::LevelRange PackContents::levels() const {

@@ -42,6 +42,7 @@ class PackContents {
   const std::optional<PackReader::LevelRange>& range(Layer layer) const {
     return layer == Layer::heights ? heights_ : imagery_;
   }
+  void note_ancestors(TileId id);
 
   std::shared_ptr<const PackReader> pack_;
   std::optional<PackReader::LevelRange> heights_;

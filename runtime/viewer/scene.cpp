@@ -2,12 +2,29 @@
 
 #include <chrono>
 #include <iterator>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include "runtime/gl/drawn_ground.h"
 
 namespace cairn::viewer {
+namespace {
+
+std::vector<Error> missing_layers(const std::string& name, const PackReader& pack) {
+  std::vector<Error> missing;
+  if (!pack.levels(Layer::heights)) {
+    missing.push_back(
+        bad_data(name + ": heights: expected a layer of them, found none; all is drawn at height 0"));
+  }
+  if (!pack.levels(Layer::imagery)) {
+    missing.push_back(
+        bad_data(name + ": imagery: expected a layer of it, found none; colours are by height"));
+  }
+  return missing;
+}
+
+}  // namespace
 
 Scene::Scene(std::shared_ptr<const PackReader> pack, std::unique_ptr<gl::HeightUploads> uploads,
              Terrain terrain, gl::Renderer renderer)
@@ -29,7 +46,9 @@ Result<Scene> Scene::open(const Options& options) {
   Result<Terrain> terrain =
       Terrain::open(pack, terrain_options, uploads->preparing(read_from(pack), header.quantum_m));
   if (!terrain) return terrain.error();
-  return Scene(std::move(pack), std::move(uploads), std::move(*terrain), std::move(*renderer));
+  Scene scene(std::move(pack), std::move(uploads), std::move(*terrain), std::move(*renderer));
+  scene.errors_ = missing_layers(options.pack.string(), *scene.pack_);
+  return scene;
 }
 
 void Scene::update(const ViewState& view, double dt_s) {

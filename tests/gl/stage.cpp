@@ -17,6 +17,7 @@ Stage::Stage(const std::filesystem::path& pack, int width, int height)
   Result<viewer::Scene> scene = viewer::Scene::open(options);
   if (!scene) FAIL(scene.error().message);
   scene_ = std::move(*scene);
+  scene_->take_errors();  // which layers the pack has not
   look.hole_colour = glm::vec3(1, 0, 1);
 }
 
