@@ -45,6 +45,7 @@ void count_mesh(const LodMesh& mesh, FrameRecord& record) {
 }
 
 void count_use(const SceneUse& use, const std::vector<TileId>& before, FrameRecord& record) {
+  record.map_triangles = use.triangles;
   record.tiles = use.sources.size();
   record.new_tiles = difference(before, use.sources).size();
   record.useful_tiles = use.useful_tiles;

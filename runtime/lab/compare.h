@@ -39,6 +39,7 @@ struct FrameRecord {
   std::size_t frame = 0;
   double pitch_deg = 0;
 
+  std::uint64_t map_triangles = 0;  ///< of every sample of the whole map, seen or not
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
   std::uint64_t index_bytes = 0;    ///< 4 a list index of the final mesh

@@ -29,6 +29,7 @@ double number(T value) {
 /// All numbers of a record; what was not measured is -1.
 constexpr Column kColumns[] = {
     {"pitch_deg", [](const FrameRecord& r) { return r.pitch_deg; }},
+    {"map_triangles", [](const FrameRecord& r) { return number(r.map_triangles); }},
     {"triangles", [](const FrameRecord& r) { return number(r.triangles); }},
     {"useful_triangles", [](const FrameRecord& r) { return number(r.error.useful_triangles); }},
     {"vertices", [](const FrameRecord& r) { return number(r.vertices); }},

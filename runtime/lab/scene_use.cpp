@@ -4,6 +4,7 @@
 
 #include "runtime/loaded_tile.h"
 #include "runtime/lod/mesh/screen.h"
+#include "runtime/lod/mesh/tile_window.h"
 #include "runtime/visible_set.h"
 
 namespace cairn {
@@ -25,12 +26,14 @@ bool is_useful(const PackReader& pack, const LodTile& tile, const Screen& screen
 SceneUse use_of(const LabTerrain& terrain, const LodScene& scene, const ViewState& view) {
   const Screen screen(view);
   const ViewVolume volume(view, Occluder(terrain.lowest_m()));
+  SceneUse use;
   std::map<TileId, bool> useful;
   for (const LodTile& tile : scene.tiles) {
+    const auto cells = static_cast<std::uint64_t>(TileWindow(scene, tile).cells());
+    use.triangles += 2 * cells * cells;
     bool& any = useful[tile.source];
     any = any || is_useful(terrain.pack(), tile, screen, volume);
   }
-  SceneUse use;
   for (const auto& [source, is_of_use] : useful) {
     const IndexEntry entry = *terrain.pack().find(Layer::heights, source);
     use.sources.push_back(source);

@@ -11,6 +11,7 @@ namespace cairn {
 /// What a scene costs to have, and how much of it the picture needs.
 struct SceneUse {
   std::vector<TileId> sources;  ///< ascending, each once
+  std::uint64_t triangles = 0;  ///< of every sample of every area
   std::uint64_t useful_tiles = 0;
   std::uint64_t decoded_bytes = 0;
   std::uint64_t loaded_bytes = 0;
