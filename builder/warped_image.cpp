@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <utility>
 
 #include "builder/coarse_mesh.h"
 #include "builder/pixel_block.h"
@@ -33,42 +33,54 @@ PlanePoint texel_size(const Georeference& g, const TexelWindow& window, double t
   return {step(east.column - a.column, south.column - a.column), step(east.row - a.row, south.row - a.row)};
 }
 
-// The positions of a window's texels in the raster, row by row.
-std::vector<PlanePoint> positions_of(const Georeference& georeference, const TexelWindow& window,
-                                     double turn) {
+// The positions of a window's texels in the raster.
+CoarseMesh positions_of(const Georeference& georeference, const TexelWindow& window, double turn) {
   const IndexWindow texels = {{window.column, window.column + window.columns - 1},
                               {window.row, window.row + window.rows - 1}};
-  const auto position = [&](int64_t x, int64_t y) {
+  return CoarseMesh(texels, projection_mesh_step(window.texels_per_degree), [&](int64_t x, int64_t y) {
     const double c = static_cast<double>(x - window.column), r = static_cast<double>(y - window.row);
     const auto post = georeference.post_at({window.lon_of(c) + turn, window.lat_of(r)});
     return PlanePoint{post.column, post.row};
-  };
-  const CoarseMesh mesh(texels, projection_mesh_step(window.texels_per_degree), position);
-  const auto columns = static_cast<std::size_t>(window.columns);
-  std::vector<PlanePoint> positions(columns * static_cast<std::size_t>(window.rows));
-  for (int r = 0; r < window.rows; ++r)
-    mesh.row(window.row + r, std::span(positions).subspan(static_cast<std::size_t>(r) * columns, columns));
-  return positions;
+  });
 }
 
-bool is_inside(const RasterInfo& info, const PlanePoint& p) {
-  return p.x >= -0.5 && p.y >= -0.5 && p.x <= static_cast<double>(info.columns) - 0.5 &&
-         p.y <= static_cast<double>(info.rows) - 0.5;
-}
+// Where a window's texels lie in the raster, as far as they lie in the image.
+struct Reach {
+  PlanePoint low{HUGE_VAL, HUGE_VAL};
+  PlanePoint high{-HUGE_VAL, -HUGE_VAL};
 
-// The pixels that texels at those positions are made of; nullopt where none lies in the image.
-std::optional<PostWindow> pixels_for(const RasterInfo& info, std::span<const PlanePoint> positions,
-                                     PlanePoint size) {
-  PlanePoint low{HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL};
-  for (const PlanePoint& p : positions) {
-    if (!is_inside(info, p)) continue;
-    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+  void add(const Georeference::ColumnRow& p) {
+    low = {std::min(low.x, p.column), std::min(low.y, p.row)};
+    high = {std::max(high.x, p.column), std::max(high.y, p.row)};
   }
-  if (low.x > high.x) return std::nullopt;
-  const int64_t west = first_tap(low.x, size.x), north = first_tap(low.y, size.y);
-  return PostWindow{west, north, first_tap(high.x, size.x) + taps_for(size.x) - west,
-                    first_tap(high.y, size.y) + taps_for(size.y) - north};
+  bool holds(const PlanePoint& p) const {
+    return p.x >= low.x && p.y >= low.y && p.x <= high.x && p.y <= high.y;
+  }
+  bool is_empty() const { return !(low.x <= high.x && low.y <= high.y); }
+};
+
+// By the window's outline, which stands for its inside: one pixel more on each side for the bends between.
+Reach reach_of(const RasterInfo& info, const TexelWindow& window, double turn) {
+  constexpr int kSides = 32;
+  Reach reach;
+  for (int k = 0; k <= kSides; ++k) {
+    const double c = static_cast<double>(k) / kSides * (window.columns - 1);
+    const double r = static_cast<double>(k) / kSides * (window.rows - 1);
+    for (const auto& [x, y] :
+         {std::pair{c, 0.0}, {c, window.rows - 1.0}, {0.0, r}, {window.columns - 1.0, r}})
+      reach.add(info.georeference.post_at({window.lon_of(x) + turn, window.lat_of(y)}));
+  }
+  reach.low = {std::max(reach.low.x - 1, -0.5), std::max(reach.low.y - 1, -0.5)};
+  reach.high = {std::min(reach.high.x + 1, static_cast<double>(info.columns) - 0.5),
+                std::min(reach.high.y + 1, static_cast<double>(info.rows) - 0.5)};
+  return reach;
+}
+
+// The pixels that texels within reach are made of.
+PostWindow pixels_for(const Reach& reach, PlanePoint size) {
+  const int64_t west = first_tap(reach.low.x, size.x), north = first_tap(reach.low.y, size.y);
+  return {west, north, first_tap(reach.high.x, size.x) + taps_for(size.x) - west,
+          first_tap(reach.high.y, size.y) + taps_for(size.y) - north};
 }
 
 // Texels larger than pixels.
@@ -91,36 +103,45 @@ void average_row(const WidePixels& image, std::span<const PlanePoint> positions,
   }
 }
 
+// A row of texels, empty where they lie out of reach.
+void resample_row(const WidePixels& image, const Reach& reach, std::span<const PlanePoint> positions,
+                  PlanePoint size, LinearTexel* out) {
+  const auto inside = [&](const PlanePoint& p) { return reach.holds(p); };
+  for (auto from = positions.begin(); from != positions.end();) {
+    from = std::find_if(from, positions.end(), inside);
+    const auto to = std::find_if_not(from, positions.end(), inside);
+    if (size.x == 1 && size.y == 1) {
+      texel_rows().interpolate(image, {from, to}, out + (from - positions.begin()));
+    } else {
+      average_row(image, {from, to}, size, out + (from - positions.begin()));
+    }
+    from = to;
+  }
+}
+
 }  // namespace
 
 Result<ResampledImage> resample_warped(const RasterSource& source, const TexelWindow& window, double turn,
                                        bool with_rims) {
   const RasterInfo& info = source.info();
+  const Reach reach = reach_of(info, window, turn);
+  if (reach.is_empty()) return ResampledImage{};
   const PlanePoint size = texel_size(info.georeference, window, turn);
-  const std::vector<PlanePoint> positions = positions_of(info.georeference, window, turn);
-  const auto wanted = pixels_for(info, positions, size);
-  if (!wanted) return ResampledImage{};
-  const auto block = read_block(source, *wanted);
+  const auto block = read_block(source, pixels_for(reach, size));
   if (!block) return block.error();
   std::vector<WideTexel> pixels(block->rgba.size() / 4);
   to_linear_light(block->rgba.data(), pixels);
   const WidePixels wide{pixels.data(), block->column, block->row, block->columns};
 
+  const CoarseMesh mesh = positions_of(info.georeference, window, turn);
+  std::vector<PlanePoint> positions(static_cast<std::size_t>(window.columns));
   ResampledImage image{0, 0, LinearImage(window.columns, window.rows), {}};
-  const auto inside = [&](const PlanePoint& p) { return is_inside(info, p); };
-  for (auto from = positions.begin(); from != positions.end();) {
-    from = std::find_if(from, positions.end(), inside);
-    const auto to = std::find_if_not(from, positions.end(), inside);
-    LinearTexel* out = image.texels.texels.data() + (from - positions.begin());
-    if (size.x == 1 && size.y == 1) {
-      texel_rows().interpolate(wide, {from, to}, out);
-    } else {
-      average_row(wide, {from, to}, size, out);
-    }
-    from = to;
+  for (int r = 0; r < window.rows; ++r) {
+    mesh.row(window.row + r, positions);
+    resample_row(wide, reach, positions, size, image.texels.row(r));
+    if (!with_rims) continue;
+    for (const PlanePoint& p : positions) image.rims.push_back(static_cast<float>(rim_distance(info, p)));
   }
-  if (!with_rims) return image;
-  for (const PlanePoint& p : positions) image.rims.push_back(static_cast<float>(rim_distance(info, p)));
   return image;
 }
 
