@@ -11,6 +11,7 @@
 #include "builder/height_layer.h"
 #include "builder/imagery_layer.h"
 #include "builder/layer_bake.h"
+#include "builder/memory_budget.h"
 #include "builder/pack_layers.h"
 #include "builder/resume.h"
 #include "builder/rqt_layer.h"
@@ -55,6 +56,8 @@ Result<HeightSummary> bake_heights(const PackLayers& layers, const BuildOptions&
   const auto samples = bake_layer(heights, layers.plan->tree(), threads, work, progress);
   if (!samples) return samples.error();
   report.samples = *samples;
+  layers.heights->close_sources();
+  release_freed_memory();
   return heights.summary();
 }
 

@@ -6,8 +6,8 @@ namespace cairn {
 
 Result<ChunkCache::Bytes> ChunkCache::get(std::uint64_t key, const Load& load) {
   if (Bytes found = find_or_claim(key)) return found;
-  Result<std::vector<std::byte>> loaded = load();
-  Bytes bytes = loaded ? std::make_shared<const std::vector<std::byte>>(std::move(*loaded)) : nullptr;
+  Result<Chunk> loaded = load();
+  Bytes bytes = loaded ? std::make_shared<const Chunk>(std::move(*loaded)) : nullptr;
   keep(key, bytes);
   if (!bytes) return loaded.error();
   return bytes;

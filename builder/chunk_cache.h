@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "builder/page_allocator.h"
 #include "format/status.h"
 
 namespace cairn {
@@ -18,8 +19,9 @@ namespace cairn {
 /// want a chunk which another one is decoding wait for it rather than decode it again.
 class ChunkCache {
  public:
-  using Bytes = std::shared_ptr<const std::vector<std::byte>>;
-  using Load = std::function<Result<std::vector<std::byte>>()>;
+  using Chunk = std::vector<std::byte, PageAllocator<std::byte>>;
+  using Bytes = std::shared_ptr<const Chunk>;
+  using Load = std::function<Result<Chunk>()>;
 
   explicit ChunkCache(std::size_t byte_limit) : byte_limit_(byte_limit) {}
 

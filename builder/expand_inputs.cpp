@@ -13,10 +13,10 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What a folder of rasters may hold besides rasters (.prj, .tfw, .xml, a README) is passed over.
-constexpr std::array kExtensions = {".hgt",  ".gz",    ".zip", ".dt0", ".dt1", ".dt2", ".tif",
-                                    ".tiff", ".gtiff", ".tf8", ".btf", ".png", ".jpg", ".jpeg",
-                                    ".jp2",  ".j2k",   ".vrt", ".asc", ".img", ".bil", ".flt",
-                                    ".nc",   ".grd",   ".dem", ".bt"};
+constexpr std::array kExtensions = {".hgt",   ".gz",   ".zip", ".dt0", ".dt1", ".dt2",  ".tif", ".tiff",
+                                    ".gtiff", ".tf8",  ".btf", ".png", ".jpg", ".jpeg", ".jp2", ".j2k",
+                                    ".bmp",   ".webp", ".exr", ".tga", ".vrt", ".asc",  ".img", ".bil",
+                                    ".flt",   ".nc",   ".grd", ".dem", ".bt"};
 
 bool is_raster_by_name(const fs::path& path) {
   if (path.filename().string().starts_with('.')) return false;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "builder/crs.h"
+#include "builder/gdal_metadata.h"
 #include "builder/printable.h"
 
 namespace cairn {
@@ -16,7 +17,7 @@ namespace {
 // Tags.
 constexpr std::uint32_t kPixelScale = 33550, kTiepoint = 33922, kTransformation = 34264,
                         kKeyDirectory = 34735, kDoubleParams = 34736, kAsciiParams = 34737,
-                        kGdalMetadata = 42112, kGdalNodata = 42113;
+                        kGdalNodata = 42113;
 // Keys.
 constexpr int kModelType = 1024, kRasterType = 1025, kCitation = 1026, kGeographicType = 2048,
               kGeogCitation = 2049, kGeodeticDatum = 2050, kAngularUnits = 2054, kEllipsoid = 2056,
@@ -129,21 +130,6 @@ std::optional<double> parse_number(std::string_view s) {
   return error == std::errc() && end == s.data() + s.size() ? std::optional(value) : std::nullopt;
 }
 
-/// The text of the <Item> with this role for band 1 (sample 0) or for all.
-std::optional<std::string> metadata_item(std::string_view xml, std::string_view role) {
-  const std::string wanted = fmt::format("role=\"{}\"", role);
-  for (std::size_t at = xml.find("<Item"); at != std::string_view::npos; at = xml.find("<Item", at + 1)) {
-    const std::size_t open_end = xml.find('>', at), close = xml.find("</Item>", at);
-    if (open_end == std::string_view::npos || close == std::string_view::npos || open_end > close) break;
-    const std::string_view attributes = xml.substr(at, open_end - at);
-    const bool other_band = attributes.find("sample=\"") != std::string_view::npos &&
-                            attributes.find("sample=\"0\"") == std::string_view::npos;
-    if (attributes.find(wanted) != std::string_view::npos && !other_band)
-      return std::string(xml.substr(open_end + 1, close - open_end - 1));
-  }
-  return std::nullopt;
-}
-
 /// Metres of the vertical CRS's unit; 0 where it is unknown or counts downwards.
 double metres_of_vertical_keys(const GeoTiffTags& tags) {
   const int unit = key(tags, kVerticalUnits);
@@ -195,7 +181,7 @@ GeoTiffTags read_geotiff_tags(const TiffHandle& handle) {
   tags.pixel_scale = handle.doubles(kPixelScale);
   tags.tiepoints = handle.doubles(kTiepoint);
   tags.transformation = handle.doubles(kTransformation);
-  tags.gdal_metadata = handle.ascii(kGdalMetadata);
+  tags.gdal_metadata = handle.ascii(kGdalMetadataTag);
   tags.gdal_nodata = handle.ascii(kGdalNodata);
   parse_geo_keys(handle.shorts(kKeyDirectory), handle.doubles(kDoubleParams), handle.ascii(kAsciiParams),
                  tags);
@@ -232,7 +218,7 @@ Result<Georeference> georeference_of(const GeoTiffTags& tags, const std::filesys
 
 Result<HeightScale> height_scale_of(const GeoTiffTags& tags, const std::filesystem::path& path) {
   HeightScale height;
-  const auto item = [&](const char* role) { return metadata_item(tags.gdal_metadata, role); };
+  const auto item = [&](const char* role) { return gdal_metadata_item(tags.gdal_metadata, role, 0); };
   if (const auto scale = item("scale")) height.scale = parse_number(*scale).value_or(1);
   if (const auto offset = item("offset")) height.offset = parse_number(*offset).value_or(0);
   const std::string unit = item("unittype").value_or("");

@@ -11,10 +11,14 @@ struct MemoryBudget {
 
 /// What the program itself, the tiles in flight and the tree above them need comes first; the sources' caches
 /// get the rest, and never less than 8 MiB.
-MemoryBudget divide_memory(std::size_t memory_bytes, int threads, int tile_size);
+MemoryBudget divide_memory(std::size_t memory_bytes, int threads, int tile_size, bool with_imagery);
 
 /// The least that a bake can promise to stay under.
-std::size_t least_memory(int threads, int tile_size);
+std::size_t least_memory(int threads, int tile_size, bool with_imagery);
+
+/// Hands back to the system what is freed: large blocks stay with the allocator otherwise, where another
+/// thread's allocations cannot use them.
+void release_freed_memory();
 
 /// The most that the program has held so far, in bytes, as the kernel counts it (VmHWM).
 std::size_t peak_resident_bytes();

@@ -34,6 +34,8 @@ class Mosaic {
   static Result<std::unique_ptr<Mosaic>> open(const BuildOptions& options, std::size_t cache_bytes);
 
   const SourcePool& pool() const { return *pool_; }
+  /// Lets go of the sources' files and caches, once no more is read of them.
+  void close_sources() { pool_->close(); }
   const std::vector<std::unique_ptr<SourceGroup>>& groups() const { return groups_; }
 
   /// The finest level that any group needs.

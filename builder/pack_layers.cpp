@@ -36,8 +36,10 @@ GeoBounds PackLayers::bounds() const {
 
 Result<PackLayers> plan_layers(const BuildOptions& options, int threads) {
   PackLayers layers;
-  std::size_t cache = divide_memory(options.memory_bytes, threads, options.tile_size).cache_bytes;
-  if (!options.inputs.empty() && !options.imagery.inputs.empty()) cache /= 2;
+  // The layers are baked one after the other, and the heights' sources closed in between.
+  const bool with_imagery = !options.imagery.inputs.empty();
+  const std::size_t cache =
+      divide_memory(options.memory_bytes, threads, options.tile_size, with_imagery).cache_bytes;
   if (!options.inputs.empty()) {
     auto mosaic = Mosaic::open(options, cache);
     if (!mosaic) return mosaic.error();
@@ -46,7 +48,7 @@ Result<PackLayers> plan_layers(const BuildOptions& options, int threads) {
     if (!plan) return plan.error();
     layers.plan = std::move(*plan);
   }
-  if (!options.imagery.inputs.empty()) {
+  if (with_imagery) {
     auto mosaic = ImageryMosaic::open(options.imagery, options.tile_size - 1, cache);
     if (!mosaic) return mosaic.error();
     layers.imagery = std::move(*mosaic);

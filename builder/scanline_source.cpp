@@ -69,6 +69,9 @@ Status ScanlineSource::read_heights(const PostWindow& window, std::span<float> o
 }
 
 Status ScanlineSource::read_colours(const PostWindow& window, std::span<std::uint8_t> rgba) const {
+  if (info_.type != SampleType::uint8 && info_.type != SampleType::uint16)
+    return bad_data(info_.path.string() + ": image: expected samples of 8 or 16 bits, found " +
+                    to_string(info_.type));
   if (auto decoded = decode_once(); !decoded) return decoded;
   const auto columns = static_cast<std::size_t>(window.columns),
              bands = static_cast<std::size_t>(info_.bands);
@@ -102,6 +105,7 @@ Result<std::unique_ptr<RasterSource>> open_scanline_raster(const char* format,
   info.rows = header.rows;
   info.bands = header.bands;
   info.type = header.type;
+  info.whole_metres = HeightEncoding{.type = header.type}.whole_metres();
   const auto georeference = georeference_beside(path, info.columns, info.rows, options);
   if (!georeference) return georeference.error();
   info.georeference = *georeference;

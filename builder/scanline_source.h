@@ -12,7 +12,7 @@
 namespace cairn {
 
 /// What an image file that decodes from top to bottom only (PNG, JPEG) says of itself. One band is grey, two
-/// grey and alpha, three RGB, four RGB and alpha; samples are unsigned, of 8 or 16 bits.
+/// grey and alpha, three RGB, four RGB and alpha; colours are unsigned, of 8 or 16 bits, heights of any type.
 struct ScanlineHeader {
   std::int64_t columns = 0;
   std::int64_t rows = 0;

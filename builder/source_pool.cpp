@@ -38,4 +38,9 @@ Result<std::shared_ptr<const RasterSource>> SourcePool::acquire(std::size_t sour
   return open_.front().raster;
 }
 
+void SourcePool::close() {
+  const std::scoped_lock lock(mutex_);
+  open_.clear();
+}
+
 }  // namespace cairn

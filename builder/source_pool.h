@@ -29,6 +29,9 @@ class SourcePool {
   /// The source, opened if it was not. It stays usable for as long as the caller holds it.
   Result<std::shared_ptr<const RasterSource>> acquire(std::size_t source);
 
+  /// Closes all files and drops their caches, but for those in use; acquire() opens them again.
+  void close();
+
  private:
   SourcePool() = default;
 

@@ -169,18 +169,18 @@ Status TiffImage::visit_decoded(const Part& part, const std::function<void(const
   return {};
 }
 
-Result<std::vector<std::byte>> TiffImage::read_chunk(std::int64_t chunk, std::int64_t rows) const {
-  std::vector<std::byte> bytes(static_cast<std::size_t>(rows) * decoded_row_bytes(layout_));
+Result<ChunkCache::Chunk> TiffImage::read_chunk(std::int64_t chunk, std::int64_t rows) const {
+  ChunkCache::Chunk bytes(static_cast<std::size_t>(rows) * decoded_row_bytes(layout_));
   if (auto read = file_.read_at(offsets_[static_cast<std::size_t>(chunk)], bytes); !read) return read.error();
   if (swapped_) swap_bytes(bytes.data(), bytes.size() / size_of(layout_.type), size_of(layout_.type));
   return bytes;
 }
 
-Result<std::vector<std::byte>> TiffImage::decode_chunk(std::int64_t chunk, std::int64_t rows) const {
+Result<ChunkCache::Chunk> TiffImage::decode_chunk(std::int64_t chunk, std::int64_t rows) const {
   if (stored_) return read_chunk(chunk, rows);
   auto handle = handles_.take();
   if (!handle) return handle.error();
-  std::vector<std::byte> bytes(static_cast<std::size_t>(rows * packed_row_bytes(layout_)));
+  ChunkCache::Chunk bytes(static_cast<std::size_t>(rows * packed_row_bytes(layout_)));
   const auto number = static_cast<std::uint32_t>(chunk);
   const auto size = static_cast<tmsize_t>(bytes.size());
   (*handle)->note({});
@@ -191,7 +191,9 @@ Result<std::vector<std::byte>> TiffImage::decode_chunk(std::int64_t chunk, std::
   if (got != size)
     return bad_data(fmt::format("{}: {}: expected {} bytes, found {}: {}", path_.string(),
                                 place_of_chunk(chunk), size, std::max<tmsize_t>(got, 0), reason));
-  return layout_.bits < 8 ? unpack_bits(layout_, bytes) : std::move(bytes);
+  if (layout_.bits >= 8) return bytes;
+  const std::vector<std::byte> unpacked = unpack_bits(layout_, bytes);
+  return ChunkCache::Chunk(unpacked.begin(), unpacked.end());
 }
 
 Status TiffImage::visit_scratch(const Part& part, const std::function<void(const Run&)>& run) const {

@@ -67,8 +67,8 @@ class TiffImage {
   Status visit_stored(const Part& part, const std::function<void(const Run&)>& run) const;
   Status visit_decoded(const Part& part, const std::function<void(const Run&)>& run) const;
   Status visit_scratch(const Part& part, const std::function<void(const Run&)>& run) const;
-  Result<std::vector<std::byte>> read_chunk(std::int64_t chunk, std::int64_t rows) const;
-  Result<std::vector<std::byte>> decode_chunk(std::int64_t chunk, std::int64_t rows) const;
+  Result<ChunkCache::Chunk> read_chunk(std::int64_t chunk, std::int64_t rows) const;
+  Result<ChunkCache::Chunk> decode_chunk(std::int64_t chunk, std::int64_t rows) const;
   Status unpack_to_scratch() const;
   std::string place_of_chunk(std::int64_t chunk) const;
 

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <tiffio.h>
 
+#include "builder/gdal_metadata.h"
+
 namespace cairn {
 namespace {
 
@@ -50,6 +52,17 @@ std::vector<std::uint8_t> palette_of(const TiffHandle& handle, int bits) {
   return palette;
 }
 
+/// A writer that knew no better marks a fourth band as alpha though it is near infrared; where GDAL then
+/// notes what the bands are, that holds.
+void believe_gdal(const TiffHandle& handle, TiffLayout& layout) {
+  const std::string metadata = handle.ascii(kGdalMetadataTag);
+  const int colours = layout.bands - static_cast<int>(layout.extra_samples.size());
+  for (std::size_t i = 0; i < layout.extra_samples.size(); ++i) {
+    const auto kind = gdal_metadata_item(metadata, "colorinterp", colours + static_cast<int>(i));
+    if (kind && *kind != "Alpha") layout.extra_samples[i] = EXTRASAMPLE_UNSPECIFIED;
+  }
+}
+
 Status read_samples(const std::filesystem::path& path, const TiffHandle& handle, TiffLayout& layout) {
   const auto bad = [&](const std::string& what) { return bad_data(path.string() + ": TIFF tags: " + what); };
   layout.bands = tag_or_default<std::uint16_t>(handle, TIFFTAG_SAMPLESPERPIXEL, 1);
@@ -73,6 +86,7 @@ Status read_samples(const std::filesystem::path& path, const TiffHandle& handle,
   const std::uint16_t* extra = nullptr;
   if (TIFFGetField(handle.get(), TIFFTAG_EXTRASAMPLES, &extra_count, &extra) == 1)
     layout.extra_samples.assign(extra, extra + extra_count);
+  believe_gdal(handle, layout);
   if (layout.photometric == PHOTOMETRIC_PALETTE) layout.palette = palette_of(handle, layout.bits);
   return {};
 }

@@ -75,7 +75,7 @@ Result<PostStats> measure_leaf(const Mosaic& mosaic, const BuildPlan& plan, cons
 }  // namespace
 
 Result<PostStats> measure_against(const PackReader& pack, const BuildOptions& options) {
-  const MemoryBudget memory = divide_memory(options.memory_bytes, options.threads, options.tile_size);
+  const MemoryBudget memory = divide_memory(options.memory_bytes, options.threads, options.tile_size, false);
   const auto mosaic = Mosaic::open(options, memory.cache_bytes);
   if (!mosaic) return mosaic.error();
   const auto plan = BuildPlan::make(**mosaic, options);

@@ -57,7 +57,8 @@ Status use_level(const std::string& text, BuildOptions& options) {
 Status use_memory(std::size_t mebibytes, BuildOptions& options) {
   const int threads =
       options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
-  const std::size_t least = (least_memory(threads, options.tile_size) >> 20) + 1;
+  const std::size_t least =
+      (least_memory(threads, options.tile_size, !options.imagery.inputs.empty()) >> 20) + 1;
   options.memory_bytes = mebibytes << 20;
   if (mebibytes >= least) return {};
   return usage_error(
@@ -70,7 +71,6 @@ Result<BuildOptions> options_from(const BakeArguments& arguments) {
   if (auto status = use_bounds("--bounds", arguments.image_bounds, options.imagery.bounds); !status)
     return status.error();
   if (auto status = use_level(arguments.level, options); !status) return status.error();
-  if (auto status = use_memory(arguments.memory_mib, options); !status) return status.error();
   if (!arguments.geoid.empty()) options.geoid = arguments.geoid;
   if (arguments.inputs.empty() && arguments.images.empty())
     return usage_error("bake: expected DEMs, or images after --imagery, found neither");
@@ -80,6 +80,7 @@ Result<BuildOptions> options_from(const BakeArguments& arguments) {
   auto images = expand_inputs(arguments.images);
   if (!images) return images.error();
   options.imagery.inputs = std::move(*images);
+  if (auto status = use_memory(arguments.memory_mib, options); !status) return status.error();
   return options;
 }
 

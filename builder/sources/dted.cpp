@@ -135,7 +135,7 @@ class DtedSource final : public RasterSource {
   }
 
  private:
-  Result<std::vector<std::byte>> read_column(std::int64_t column) const;
+  Result<ChunkCache::Chunk> read_column(std::int64_t column) const;
   Status check_column(std::int64_t column, std::span<const std::byte> record) const;
 
   InputFile file_;
@@ -157,12 +157,12 @@ Status DtedSource::check_column(std::int64_t column, std::span<const std::byte> 
 }
 
 /// The heights of a column as int16, south to north.
-Result<std::vector<std::byte>> DtedSource::read_column(std::int64_t column) const {
+Result<ChunkCache::Chunk> DtedSource::read_column(std::int64_t column) const {
   std::vector<std::byte> record(record_bytes(info_));
   const std::uint64_t at = data_offset_ + static_cast<std::uint64_t>(column) * record.size();
   if (auto read = file_.read_at(at, record); !read) return read.error();
   if (auto checked = check_column(column, record); !checked) return checked.error();
-  std::vector<std::byte> heights(2 * static_cast<std::size_t>(info_.rows));
+  ChunkCache::Chunk heights(2 * static_cast<std::size_t>(info_.rows));
   for (std::size_t i = 0; i < heights.size(); i += 2) {
     const std::int16_t value = elevation(big16(record.data() + kRecordHeader + i));
     std::memcpy(heights.data() + i, &value, 2);
