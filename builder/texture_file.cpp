@@ -30,7 +30,9 @@ TextureTile one_colour_tile(std::int32_t colour, int size) {
 constexpr std::uint32_t kCapsSizeFormatMipsLinear = 0x1 | 0x2 | 0x4 | 0x1000 | 0x20000 | 0x80000;
 constexpr std::uint32_t kFourCc = 0x4;
 constexpr std::uint32_t kComplexTextureMipmap = 0x8 | 0x1000 | 0x400000;
-constexpr std::uint32_t kBc7Srgb = 99;
+// Like DXT1 and DXT5 it does not say that the colours are sRGB; OpenImageIO 2.4 does not know the one that
+// does (99).
+constexpr std::uint32_t kBc7 = 98;
 constexpr std::uint32_t kTexture2d = 3;
 
 std::uint32_t four_cc(TextureFormat format) {
@@ -64,7 +66,7 @@ std::vector<std::byte> dds_header(const TextureTile& tile) {
   write(kComplexTextureMipmap);
   zeros(4);
   if (tile.format == TextureFormat::bc7) {
-    write(kBc7Srgb);
+    write(kBc7);
     write(kTexture2d);
     write(0);
     write(1);

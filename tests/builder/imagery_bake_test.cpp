@@ -136,13 +136,17 @@ TEST_CASE("tiles of real images meet without a seam, at every level and mip") {
   bake(options);
   test::TexturePack pack(options.target);
   const auto levels = *pack.pack().levels(Layer::imagery);
-  for (int level = std::max(levels.coarsest, levels.finest - 3); level <= levels.finest; ++level) {
-    for (int mip = 0; pack.size() >> mip > 1; ++mip) {
+  constexpr std::size_t kEnough = 64;  // pairs of texels that make a mean: a coarse level has few
+  for (int mip = 0; pack.size() >> mip > 1; ++mip) {
+    const auto all = test::seam_differences(pack, std::nullopt, mip);
+    INFO(name << " mip " << mip << ": across " << all.across << " inside " << all.inside);
+    REQUIRE(all.pairs > 0);
+    CHECK(all.across <= 1.25 * all.inside);
+    for (int level = std::max(levels.coarsest, levels.finest - 3); level <= levels.finest; ++level) {
       const auto d = test::seam_differences(pack, level, mip);
-      INFO(name << " level " << level << " mip " << mip << ": across " << d.across << " beside " << d.beside
-                << " inside " << d.inside);
-      if (d.pairs == 0) continue;
-      CHECK(d.across <= 1.25 * d.inside);
+      INFO("level " << level << ": across " << d.across << " beside " << d.beside << " inside " << d.inside
+                    << " of " << d.pairs);
+      if (d.pairs >= kEnough) CHECK(d.across <= 1.25 * d.inside);
     }
   }
 }

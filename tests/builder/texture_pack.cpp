@@ -62,7 +62,7 @@ std::optional<std::array<int, 3>> TexturePack::colour(LonLat place, int dx, int 
   return std::array<int, 3>{texel[0], texel[1], texel[2]};
 }
 
-SeamDifferences seam_differences(TexturePack& pack, int level, int mip) {
+SeamDifferences seam_differences(TexturePack& pack, std::optional<int> level, int mip) {
   const int side = pack.size() >> mip;
   Mean across, beside, inside;
   const auto at = [&](const TexturePack::Mips& mips, int c, int r) {
@@ -70,7 +70,7 @@ SeamDifferences seam_differences(TexturePack& pack, int level, int mip) {
   };
   for (std::size_t i = 0; i < pack.pack().entry_count(); ++i) {
     const IndexEntry entry = pack.pack().entry(i);
-    if (entry.layer != Layer::imagery || entry.id.level != level) continue;
+    if (entry.layer != Layer::imagery || entry.id.level != level.value_or(entry.id.level)) continue;
     const auto* own = pack.mips(entry.id);
     const auto* east = pack.mips(neighbour_of(entry.id, 1, 0));
     const auto* north = pack.mips(neighbour_of(entry.id, 0, 1));

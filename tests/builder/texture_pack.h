@@ -33,14 +33,14 @@ class TexturePack {
   std::unordered_map<TileId, Mips> tiles_;
 };
 
-/// Mean absolute differences of R, G, B between opaque texels side by side at one mip, over all tiles of a
-/// pack's finest level.
+/// Mean absolute differences of R, G, B between opaque texels side by side at one mip, over all
+/// pairs of tiles of a level, or of all levels.
 struct SeamDifferences {
   double across = 0;      ///< the two sides of an edge between tiles
   double beside = 0;      ///< the texel at such an edge and the next one inwards
   double inside = 0;      ///< neighbours inside tiles
   std::size_t pairs = 0;  ///< of texels across edges
 };
-SeamDifferences seam_differences(TexturePack& pack, int level, int mip);
+SeamDifferences seam_differences(TexturePack& pack, std::optional<int> level, int mip);
 
 }  // namespace cairn::test
