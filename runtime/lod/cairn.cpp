@@ -7,105 +7,28 @@
 // far end of a large square makes all that is above it as bad; the largest error within a square only says
 // where not to look.
 //
-// A vertical error is seen under the angle between the ray and the vertical: looking down it hardly shows. A
-// displacement δ of a point at depth z, with P the ray from the eye to it, moves its picture by f|z·δ⊥ −
-// P⊥·δz| / (z(z−δz)) <= f|P×δ| / (z(z−|δ|)) pixels, exactly, not to first order. So with e the error of a
-// triangle, g that of the tile (both vertical) and c the chord of the Earth's curvature (any direction),
-// f((e+g)|P×up| + c|P|) / (z(z−e−g−c)) <= τ is what is asked of a triangle, over a sphere around its square.
+// A vertical error is seen under the angle between the ray and the vertical: looking down it hardly shows
+// (Allowance).
 //
 // Promise: every finest sample in the picture is within τ of its place on the screen, where the tiles' own
 // error takes at most three quarters of τ; where it takes more, within that and a quarter of τ. Along borders
 // where a finer tile has vertices that this one has no samples for, conform() splits triangles of one cell:
 // there the tile's error counts twice.
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <memory>
 #include <unordered_map>
 
-#include <glm/geometric.hpp>
-#include <glm/trigonometric.hpp>
-
+#include "runtime/lod/mesh/allowance.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/conform.h"
 #include "runtime/lod/mesh/cpu_clock.h"
-#include "runtime/lod/mesh/screen.h"
 #include "runtime/lod/mesh/square_errors.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 
 namespace cairn {
 namespace {
-
-/// What a triangle of the square may be off by, as it is seen from one eye.
-class Allowance {
- public:
-  explicit Allowance(const LodView& view)
-      : screen_(view.view),
-        focal_px_(screen_.pixels_per_radian()),
-        tolerance_px_(view.tolerance_px),
-        inward_(side_planes(view.view, screen_.camera())),
-        corner_cosine_(corner_cosine(view.view)) {}
-
-  /// Over a sphere: how displacements become pixels.
-  struct Scale {
-    double depth_m = 0;      ///< along the view, or less; 0 or below: the sphere may come beside the eye
-    double vertical_px = 0;  ///< a vertical displacement δ moves by vertical_px·δ/(depth - δ) at most
-    double any_px = 0;       ///< one in any direction
-    bool is_small = false;   ///< the scale hardly changes over it
-  };
-  Scale scale_of(const SquareSphere& sphere) const {
-    const glm::dvec3 to = sphere.centre - screen_.camera().position;
-    const double distance = glm::length(to), radius = sphere.radius_m, far = distance + radius;
-    Scale scale;
-    scale.depth_m =
-        std::max(glm::dot(to, screen_.camera().forward) - radius, (distance - radius) * corner_cosine_);
-    if (scale.depth_m <= 0) return scale;
-    // The ellipsoid's normal is within 0.2° of the direction from its middle.
-    const double from_middle = glm::length(sphere.centre);
-    const double beside = glm::length(glm::cross(to, sphere.centre)) / from_middle + radius +
-                          far * (radius / from_middle + 0.0034);
-    scale.any_px = focal_px_ * std::min(1 / corner_cosine_, far / scale.depth_m);
-    scale.vertical_px = std::min(scale.any_px, focal_px_ * beside / scale.depth_m);
-    scale.is_small = radius * 16 < scale.depth_m;
-    return scale;
-  }
-
-  /// The largest error of a triangle, in metres, beside the tile's own and the chord's; negative: none.
-  double error_m(const Scale& scale, double tile_m, double chord_m) const {
-    if (scale.depth_m <= 0) return -1;
-    const double room = (tolerance_px_ * scale.depth_m - chord_m * (scale.any_px + tolerance_px_)) /
-                        (scale.vertical_px + tolerance_px_);
-    return std::max(room - tile_m, room / 4);
-  }
-
-  bool sees(const SquareSphere& sphere) const {
-    const glm::dvec3 to = sphere.centre - screen_.camera().position;
-    return std::all_of(inward_.begin(), inward_.end(),
-                       [&](const glm::dvec3& n) { return glm::dot(n, to) >= -sphere.radius_m; });
-  }
-
- private:
-  static std::array<glm::dvec3, 4> side_planes(const ViewState& view, const CameraFrame& camera) {
-    const double high = std::tan(glm::radians(view.fov_y_deg) / 2);
-    const double wide = high * view.viewport_width_px / view.viewport_height_px;
-    return {glm::normalize(camera.forward * wide + camera.right),
-            glm::normalize(camera.forward * wide - camera.right),
-            glm::normalize(camera.forward * high + camera.up),
-            glm::normalize(camera.forward * high - camera.up)};
-  }
-  static double corner_cosine(const ViewState& view) {
-    const double high = std::tan(glm::radians(view.fov_y_deg) / 2);
-    return 1 / std::hypot(1.0, high, high * view.viewport_width_px / view.viewport_height_px);
-  }
-
-  Screen screen_;
-  double focal_px_;
-  double tolerance_px_;
-  std::array<glm::dvec3, 4> inward_;
-  double corner_cosine_;
-};
 
 /// Enables what one tile's squares ask for.
 class Selection {
@@ -232,9 +155,8 @@ class Cairn : public LodMethod {
     const LodTile& tile = scene.tiles[i];
     const SquareErrors& errors = errors_.at(tile.source);
     const TileWindow window(scene, tile);
-    const int never = 16;
     forest_.append(
-        scene, i, view.cull ? SquareErrors::kSphereLevel : never,
+        scene, i, view.cull ? SquareErrors::kSphereLevel : BisectionForest::kNeverCull,
         [&](int k, int x, int y) {
           return allowance.sees(errors.sphere(k, x + (window.column() >> k), y + (window.row() >> k)));
         },

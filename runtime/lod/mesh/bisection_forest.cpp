@@ -113,6 +113,18 @@ void BisectionForest::enable_corners_of_neighbours(std::size_t tile) {
   }
 }
 
+bool BisectionForest::has(std::size_t tile, int c, int r) const {
+  const Tree& tree = trees_[tile];
+  const int last = 1 << tree.levels, both = c | r, h = both & -both;
+  const int k = std::countr_zero(static_cast<unsigned>(h)) + 1;
+  const auto mask = [&](int x, int y) { return tree.masks[slot(tree, k, x, y)]; };
+  if ((c & h) != 0 && (r & h) != 0) return (mask(c >> k, r >> k) & kCentre) != 0;
+  if ((c & h) != 0)
+    return (r < last ? mask(c >> k, r >> k) & bit_of(south) : mask(c >> k, (r >> k) - 1) & bit_of(north)) !=
+           0;
+  return (c < last ? mask(c >> k, r >> k) & bit_of(west) : mask((c >> k) - 1, r >> k) & bit_of(east)) != 0;
+}
+
 void BisectionForest::enable_centre(std::size_t tile, int k, int x, int y) {
   Tree& tree = trees_[tile];
   std::uint8_t& mask = tree.masks[slot(tree, k, x, y)];

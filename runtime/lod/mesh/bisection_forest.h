@@ -22,6 +22,7 @@ namespace cairn {
 class BisectionForest {
  public:
   enum Side : unsigned { south, east, north, west };
+  static constexpr int kNeverCull = 16;  ///< a cull_level that no square has
 
   /// Finds the neighbours. Until the next call a tile is named by its number in this scene.
   void prepare(const LodScene& scene);
@@ -34,6 +35,9 @@ class BisectionForest {
   /// Adds the vertex and all that it needs, in other tiles too. REQUIRES: 1 <= k <= levels(tile).
   void enable_centre(std::size_t tile, int k, int x, int y);
   void enable_middle(std::size_t tile, int k, int x, int y, Side side);
+
+  /// Whether the sample (c, r) of the window is a vertex. REQUIRES: it is not one of its corners.
+  bool has(std::size_t tile, int c, int r) const;
 
   /// Appends a tile's triangles, without the squares that `sees(k, x, y)` says no to: a square of at least
   /// 2^cull_level cells, whose inside no other asks for. Each inner square is a fan around its centre.

@@ -43,11 +43,7 @@ struct SquareSphere {
 
 /// What is known of a tile when it is loaded, for bisecting its squares where a picture asks for it.
 ///
-/// The errors are those of bisection_errors(), in metres. Where the tile stands for finer ones, so that
-/// places between its samples count, a quarter of the largest twist of the cells that a triangle's diagonals
-/// cut is added: there, and only there, the triangle differs by more than at the samples from the tile's
-/// bilinear surface, of which the tile's own error speaks. The Earth's curvature is not in them: see
-/// chord_m().
+/// The errors are those of vertex_errors_m(), without the Earth's curvature: see chord_m().
 class SquareErrors {
  public:
   /// Squares with spheres have at least this many cells.
@@ -62,10 +58,8 @@ class SquareErrors {
   /// Of the square, or of the smallest one around it that has one.
   const SquareSphere& sphere(int k, int x, int y) const;
 
-  /// How far a flat triangle is from the curved Earth, at most: one bisected at the centre of a square of 2^k
-  /// cells; half of it where it is bisected at a middle. |∂²P|·ρ²/2, ρ the radius of the triangle's
-  /// circumcircle in degrees of the grid and |∂²P| <= 2/√3 (R+h) the second derivative of the position along
-  /// any direction of the grid, largest near the poles.
+  /// How far a flat triangle bisected at the centre of a square of 2^k cells is from the curved Earth, at
+  /// most; half of it where it is bisected at a middle. See chord_of_cell_m().
   double chord_m(int k) const { return chord_of_cell_m_ * static_cast<double>(std::uint64_t{1} << (2 * k)); }
 
   std::uint64_t bytes() const;
@@ -75,8 +69,7 @@ class SquareErrors {
     return first_[static_cast<std::size_t>(k)] + (static_cast<std::size_t>(y) << (levels_ - k)) +
            static_cast<std::size_t>(x);
   }
-  void fill(const HeightTile& heights, const std::vector<float>& errors_m,
-            const std::vector<float>& twists_m);
+  void fill(const HeightTile& heights, const std::vector<float>& errors_m);
   void place_spheres(const LodScene& scene, const LodTile& tile);
 
   int levels_;

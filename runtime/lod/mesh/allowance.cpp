@@ -1,0 +1,70 @@
+#include "runtime/lod/mesh/allowance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+
+#include "runtime/view_state.h"
+
+namespace cairn {
+namespace {
+
+/// Radians between the ellipsoid's normal and the direction from its middle, at most: 0.193°.
+constexpr double kNormalTilt = 0.0034;
+
+/// A sphere is small where its radius is at most this share of its depth: what is asked for its nearest point
+/// is an eighth more than for its middle, then.
+constexpr double kSmall = 1.0 / 16;
+
+}  // namespace
+
+Allowance::Allowance(const LodView& view) : tolerance_px_(view.tolerance_px) {
+  const CameraFrame camera = camera_frame(view.view);
+  eye_ = camera.position;
+  forward_ = camera.forward;
+  const double high = std::tan(glm::radians(view.view.fov_y_deg) / 2);
+  const double wide = high * view.view.viewport_width_px / view.view.viewport_height_px;
+  inward_ = {glm::normalize(camera.forward * wide + camera.right),
+             glm::normalize(camera.forward * wide - camera.right),
+             glm::normalize(camera.forward * high + camera.up),
+             glm::normalize(camera.forward * high - camera.up)};
+  focal_px_ = view.view.viewport_height_px / (2 * high);
+  corner_cosine_ = 1 / std::hypot(1.0, high, wide);
+}
+
+Allowance::Scale Allowance::scale_of(const SquareSphere& sphere) const {
+  const glm::dvec3 to = sphere.centre - eye_;
+  const double distance = glm::length(to), radius = sphere.radius_m, far = distance + radius;
+  Scale scale;
+  scale.depth_m = std::max(glm::dot(to, forward_) - radius, (distance - radius) * corner_cosine_);
+  if (scale.depth_m <= 0) return scale;
+  const double from_middle = glm::length(sphere.centre);
+  const double beside = glm::length(glm::cross(to, sphere.centre)) / from_middle + radius +
+                        far * (radius / from_middle + kNormalTilt);
+  scale.any_px = focal_px_ * std::min(1 / corner_cosine_, far / scale.depth_m);
+  scale.vertical_px = std::min(scale.any_px, focal_px_ * beside / scale.depth_m);
+  scale.is_small = radius <= kSmall * scale.depth_m;
+  return scale;
+}
+
+Allowance::Scale Allowance::scale_from(double distance_m) const {
+  const double px = focal_px_ / corner_cosine_;
+  return {distance_m * corner_cosine_, px, px, false};
+}
+
+double Allowance::error_m(const Scale& scale, double tile_m, double chord_m) const {
+  if (scale.depth_m <= 0) return -1;
+  const double room = (tolerance_px_ * scale.depth_m - chord_m * (scale.any_px + tolerance_px_)) /
+                      (scale.vertical_px + tolerance_px_);
+  return std::max(room - tile_m, room / 4);
+}
+
+bool Allowance::sees(const SquareSphere& sphere) const {
+  const glm::dvec3 to = sphere.centre - eye_;
+  return std::all_of(inward_.begin(), inward_.end(),
+                     [&](const glm::dvec3& n) { return glm::dot(n, to) >= -sphere.radius_m; });
+}
+
+}  // namespace cairn

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+
+#include <glm/vec3.hpp>
+
+#include "runtime/lod/mesh/square_errors.h"
+#include "runtime/lod_method.h"
+
+namespace cairn {
+
+/// What triangles may be off by, as one eye sees them.
+///
+/// A displacement δ of a point at depth z, with P the ray from the eye to it, moves its picture by
+/// f|z·δ⊥ − P⊥·δz| / (z(z−δz)) <= f|P×δ| / (z(z−|δ|)) pixels: exactly, not to first order. So with e the
+/// error of a triangle, g that of its tile, both vertical, and c the chord of the Earth's curvature in any
+/// direction, the picture moves by f((e+g)|P×up| + c|P|) / (z(z−e−g−c)) pixels at most.
+class Allowance {
+ public:
+  explicit Allowance(const LodView& view);
+
+  /// How displacements become pixels over some part of the picture: δ by px·δ/(depth − δ) at most.
+  struct Scale {
+    double depth_m = 0;      ///< along the view, or less; 0 or below: it may come beside the eye
+    double vertical_px = 0;  ///< of a vertical displacement
+    double any_px = 0;       ///< of one in any direction
+    bool is_small = false;   ///< this hardly changes over the part
+  };
+  /// Of what is in the picture of a sphere.
+  Scale scale_of(const SquareSphere& sphere) const;
+  /// Of what is in the picture and at least this far away.
+  Scale scale_from(double distance_m) const;
+
+  /// The same without what is gained by knowing that errors are vertical.
+  static Scale isotropic(Scale scale) { return {scale.depth_m, scale.any_px, scale.any_px, scale.is_small}; }
+
+  /// The largest e, in metres; negative: none. Where the tile's error alone takes more than three quarters of
+  /// the tolerance, a quarter is allowed all the same.
+  double error_m(const Scale& scale, double tile_m, double chord_m) const;
+
+  /// Whether a part of the sphere may be in the picture.
+  bool sees(const SquareSphere& sphere) const;
+
+ private:
+  glm::dvec3 eye_;
+  glm::dvec3 forward_;
+  std::array<glm::dvec3, 4> inward_;  ///< normals of the picture's sides
+  double focal_px_;
+  double tolerance_px_;
+  double corner_cosine_;  ///< of the angle to the picture's corner
+};
+
+}  // namespace cairn

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "format/height_tile.h"
+#include "format/tile_id.h"
+
+namespace cairn {
+
+/// bisection_errors() in metres, of the tile `id`. `between_samples`: where the tile stands for finer ones,
+/// whose samples lie between its own, a quarter of the largest twist (sw − se − nw + ne) of the cells that
+/// the triangles' diagonals cut is added. In those cells alone a triangle differs from the tile's bilinear
+/// surface, of which the tile's own error speaks, by more than at the samples.
+std::vector<float> vertex_errors_m(const HeightTile& heights, const TileId& id, double quantum_m,
+                                   bool between_samples);
+
+/// How far a flat triangle with legs of one cell along the grid, whose hypotenuse runs across, is from the
+/// curved Earth, at most: |∂²P|ρ²/2, ρ = cell/√2 the radius of its circumcircle and |∂²P| <= 2/√3 (R+h) the
+/// second derivative of the position along any direction of the grid, largest near the poles. It grows with
+/// the square of the legs; a triangle whose hypotenuse runs along the grid and is as long as these legs has
+/// half of it.
+double chord_of_cell_m(double cell_radians, double highest_m);
+
+}  // namespace cairn

@@ -1,0 +1,280 @@
+// [4, §4.3] SOAR (Lindstrom & Pascucci 2001): each vertex of the bisection hierarchy has an error and a
+// sphere, grown until they hold those of all vertices below it, so that the error projected from the sphere's
+// nearest point grows towards the coarse. One pass from the coarse to the fine then finds the mesh, and a
+// sphere out of the picture ends it early; the triangles are drawn from left to right as one generalised
+// strip a tile (their listing of mesh-refine, submesh-refine and tristrip-append).
+//
+// Departures: the error of a vertex is the largest distance of the samples from the triangles bisected there
+// (bisection_errors()) with what lies between samples and the Earth's curvature, not that of the vertex from
+// the middle of its edge, so that the tolerance holds at every sample; it is projected isotropically, as
+// theirs, but so that it holds up to the picture's corners (Screen). Spheres of neighbouring tiles
+// are not nested in each other: a border gets the vertices of both sides.
+//
+// Promise: every finest sample in the picture is within the tolerance, as far as the tiles' own error allows:
+// it is added to each vertex's.
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <unordered_map>
+
+#include <glm/geometric.hpp>
+
+#include "format/rqt_steps.h"
+#include "runtime/geodesy.h"
+#include "runtime/lod/mesh/allowance.h"
+#include "runtime/lod/mesh/bisection_forest.h"
+#include "runtime/lod/mesh/conform.h"
+#include "runtime/lod/mesh/cpu_clock.h"
+#include "runtime/lod/mesh/grid_positions.h"
+#include "runtime/lod/mesh/index_forms.h"
+#include "runtime/lod/mesh/tile_culling.h"
+#include "runtime/lod/mesh/tile_window.h"
+#include "runtime/lod/mesh/vertex_errors.h"
+#include "runtime/lod/mesh/vertex_numbers.h"
+
+namespace cairn {
+namespace {
+
+/// Nested error and radius of each vertex of a tile, row-major.
+struct NestedSpheres {
+  NestedSpheres(const LodScene& scene, const LodTile& tile, bool with_places_between)
+      : between_samples(with_places_between),
+        positions(south_west_of(tile.source), lattice_width(tile.source.level) / (scene.tile_size - 1),
+                  scene.tile_size),
+        errors_m(vertex_errors_m(*tile.heights, tile.source, scene.quantum_m, between_samples)) {
+    nest(scene, tile);
+  }
+
+  std::uint64_t bytes() const {
+    return positions.bytes() + (errors_m.size() + radii_m.size()) * sizeof(float);
+  }
+
+  bool between_samples;
+  GridPositions positions;
+  std::vector<float> errors_m;
+  std::vector<float> radii_m;
+
+ private:
+  // From the fine to the coarse, each vertex hands what it has to those that it needs: its parents.
+  void nest(const LodScene& scene, const LodTile& tile) {
+    const HeightTile& heights = *tile.heights;
+    const double cell = tile_width_degrees(tile.source.level) / (heights.size - 1) * std::numbers::pi / 180;
+    const double cell_m = cell * (kEquatorialRadius + std::max(0.0, tile.max_m));
+    add_chords(heights.size, cell, tile.max_m);
+    // A triangle's places between samples are within a cell of one.
+    radii_m.assign(errors_m.size(), static_cast<float>(cell_m * std::numbers::sqrt2));
+    std::vector<std::size_t> order;
+    std::vector<RqtNeeds> parents;
+    for_each_rqt_vertex(heights.size, root_rises(tile.source), [&](std::size_t i, const RqtNeeds& needs) {
+      order.push_back(i);
+      parents.push_back(needs);
+    });
+    const auto size = static_cast<std::size_t>(heights.size);
+    for (std::size_t n = order.size(); n-- > 0;) {
+      const std::size_t i = order[n];
+      for (const std::size_t parent : {parents[n].first, parents[n].second}) {
+        const double east = (static_cast<double>(i % size) - static_cast<double>(parent % size)) * cell_m;
+        const double north = (static_cast<double>(i / size) - static_cast<double>(parent / size)) * cell_m;
+        const double up =
+            (static_cast<double>(heights.samples[i]) - heights.samples[parent]) * scene.quantum_m;
+        const double reach = std::hypot(east, north, up) * (1 + 1e-6) + static_cast<double>(radii_m[i]);
+        radii_m[parent] = std::max(radii_m[parent], std::nextafter(static_cast<float>(reach), HUGE_VALF));
+        errors_m[parent] = std::max(errors_m[parent], errors_m[i]);
+      }
+    }
+  }
+
+  // A middle's triangles have their hypotenuse along the grid, a centre's across: see chord_of_cell_m().
+  void add_chords(int size, double cell, double max_m) {
+    const double chord_m = chord_of_cell_m(cell, max_m);
+    for (int r = 0; r < size; ++r) {
+      for (int c = 0; c < size; ++c) {
+        const int h = (c | r) & -(c | r);
+        const bool centre = (c & h) != 0 && (r & h) != 0;
+        errors_m[static_cast<std::size_t>(r) * static_cast<std::size_t>(size) +
+                 static_cast<std::size_t>(c)] += static_cast<float>(chord_m * 4 * h * h * (centre ? 1 : 0.5));
+      }
+    }
+  }
+};
+
+/// One pass over a tile, from the coarse to the fine.
+class Refinement {
+ public:
+  Refinement(const LodScene& scene, std::size_t number, const NestedSpheres& spheres,
+             const Allowance& allowance, const LodView& view, BisectionForest& forest)
+      : tile_(scene.tiles[number]),
+        window_(scene, tile_),
+        number_(number),
+        spheres_(spheres),
+        allowance_(allowance),
+        cull_(view.cull),
+        forest_(forest) {}
+
+  void run() {
+    const int k = forest_.levels(number_);
+    if (k == 0) return;
+    forest_.enable_centre(number_, k, 0, 0);  // their strip begins with four triangles
+    refine(k, 0, 0);
+  }
+
+ private:
+  void refine(int k, int x, int y) {
+    const int h = 1 << (k - 1), c = (2 * x + 1) * h, r = (2 * y + 1) * h;
+    if (!is_active(c, r)) return;
+    forest_.enable_centre(number_, k, x, y);
+    if (is_active(c, r - h)) forest_.enable_middle(number_, k, x, y, BisectionForest::south);
+    if (is_active(c + h, r)) forest_.enable_middle(number_, k, x, y, BisectionForest::east);
+    if (is_active(c, r + h)) forest_.enable_middle(number_, k, x, y, BisectionForest::north);
+    if (is_active(c - h, r)) forest_.enable_middle(number_, k, x, y, BisectionForest::west);
+    for (int q = 0; k > 1 && q < 4; ++q) refine(k - 1, 2 * x + (q & 1), 2 * y + (q >> 1));
+  }
+
+  bool is_active(int c, int r) const {
+    const int column = window_.column() + c, row = window_.row() + r;
+    const std::size_t i = static_cast<std::size_t>(row) * static_cast<std::size_t>(tile_.heights->size) +
+                          static_cast<std::size_t>(column);
+    const SquareSphere sphere{spheres_.positions.at(column, row, window_.height_m(c, r)),
+                              static_cast<double>(spheres_.radii_m[i])};
+    if (cull_ && !allowance_.sees(sphere)) return false;
+    const Allowance::Scale scale = allowance_.isotropic(allowance_.scale_of(sphere));
+    return static_cast<double>(spheres_.errors_m[i]) > allowance_.error_m(scale, tile_.error_m, 0);
+  }
+
+  const LodTile& tile_;
+  TileWindow window_;
+  std::size_t number_;
+  const NestedSpheres& spheres_;
+  const Allowance& allowance_;
+  bool cull_;
+  BisectionForest& forest_;
+};
+
+/// mesh-refine: the strip of a tile from its enabled vertices.
+class Strip {
+ public:
+  Strip(const BisectionForest& forest, std::size_t tile, const TileWindow& window, VertexNumbers& numbers)
+      : forest_(forest), tile_(tile), n_(window.cells()), numbers_(numbers) {}
+
+  std::vector<std::uint32_t> run() {
+    const Place south_west{0, 0}, south_east{n_, 0}, north_east{n_, n_}, north_west{0, n_},
+        centre{n_ / 2, n_ / 2};
+    strip_ = {number(south_west), number(south_west)};
+    const bool fans = n_ > 1;
+    // Clockwise, so that the triangles face up.
+    if (fans) refine(south_west, north_west, centre, 0);
+    append(north_west, 1);
+    if (fans) refine(north_west, north_east, centre, 0);
+    append(north_east, 1);
+    if (fans) refine(north_east, south_east, centre, 0);
+    append(south_east, 1);
+    if (fans) refine(south_east, south_west, centre, 0);
+    strip_.push_back(number(south_west));
+    return std::move(strip_);
+  }
+
+ private:
+  struct Place {
+    int c;
+    int r;
+  };
+
+  std::uint32_t number(const Place& p) { return numbers_.number(p.c, p.r); }
+
+  // submesh-refine: the triangle with this hypotenuse, if its right angle is there.
+  void refine(const Place& left, const Place& right, const Place& apex, int depth) {
+    if (!forest_.has(tile_, apex.c, apex.r)) return;
+    const int c = left.c + right.c, r = left.r + right.r;
+    const bool has_base = (c & 1) == 0 && (r & 1) == 0;
+    const Place base{c / 2, r / 2};
+    if (has_base) refine(left, apex, base, depth + 1);
+    append(apex, depth & 1);
+    if (has_base) refine(apex, right, base, depth + 1);
+  }
+
+  // tristrip-append
+  void append(const Place& place, int parity) {
+    const std::uint32_t v = number(place), last = strip_.back(), before = strip_[strip_.size() - 2];
+    if (v == last || v == before) return;
+    if (parity != parity_) {
+      parity_ = parity;
+    } else {
+      strip_.push_back(before);
+    }
+    strip_.push_back(v);
+  }
+
+  const BisectionForest& forest_;
+  std::size_t tile_;
+  int n_;
+  VertexNumbers& numbers_;
+  std::vector<std::uint32_t> strip_;
+  int parity_ = 0;
+};
+
+class Soar : public LodMethod {
+ public:
+  void prepare(const LodScene& scene) override {
+    std::unordered_map<TileId, bool> between_samples;
+    for (const LodTile& tile : scene.tiles) between_samples[tile.source] |= tile.error_m > 0;
+    std::erase_if(spheres_, [&](const auto& item) {
+      const auto wanted = between_samples.find(item.first);
+      return wanted == between_samples.end() || wanted->second != item.second.between_samples;
+    });
+    for (const LodTile& tile : scene.tiles) {
+      if (!spheres_.contains(tile.source))
+        spheres_.emplace(tile.source, NestedSpheres(scene, tile, between_samples.at(tile.source)));
+    }
+    forest_.prepare(scene);
+  }
+
+  std::uint64_t prepared_bytes() const override {
+    std::uint64_t bytes = forest_.bytes();
+    for (const auto& [source, spheres] : spheres_) bytes += spheres.bytes();
+    return bytes;
+  }
+
+  LodMesh build(const LodScene& scene, const LodView& view) override {
+    const double start = thread_cpu_s();
+    const Allowance allowance(view);
+    const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
+    forest_.begin();
+    for (const std::size_t i : drawn)
+      Refinement(scene, i, spheres_.at(scene.tiles[i].source), allowance, view, forest_).run();
+    const double selected = thread_cpu_s();
+    LodMesh mesh;
+    for (const std::size_t i : drawn) append(scene, i, mesh);
+    conform(scene, mesh);
+    mesh.count(IndexForm::list, {3 * mesh.triangle_count(), mesh.tiles.size()});
+    mesh.selection_s = selected - start;
+    mesh.building_s = thread_cpu_s() - selected;
+    return mesh;
+  }
+
+ private:
+  void append(const LodScene& scene, std::size_t i, LodMesh& mesh) {
+    const TileWindow window(scene, scene.tiles[i]);
+    LodTileMesh out{i, {}, {}};
+    numbers_.begin(window, out);
+    const std::vector<std::uint32_t> strip = Strip(forest_, i, window, numbers_).run();
+    out.triangles = triangles_of_strip(strip);
+    mesh.count(IndexForm::degenerate_strip, {strip.size(), 1});
+    mesh.tiles.push_back(std::move(out));
+  }
+
+  std::unordered_map<TileId, NestedSpheres> spheres_;
+  BisectionForest forest_;
+  VertexNumbers numbers_;
+};
+
+}  // namespace
+
+extern const LodMethodInfo soar_lod_method;
+const LodMethodInfo soar_lod_method{
+    "soar", true, [](const LodOptions&) -> std::unique_ptr<LodMethod> { return std::make_unique<Soar>(); }};
+
+}  // namespace cairn
