@@ -101,13 +101,13 @@ bool Mosaic::posts_are_samples() const {
 }
 
 bool Mosaic::covers(const TileId& id) const {
-  const GeoBounds bounds = tile_bounds(id);
+  const GeoBounds bounds = tile_bounds_in_world(id);
   return std::any_of(groups_.begin(), groups_.end(),
                      [&](const auto& g) { return g->footprint().overlaps(bounds); });
 }
 
 bool Mosaic::touches(const TileId& id) const {
-  const GeoBounds bounds = tile_bounds(id);
+  const GeoBounds bounds = tile_bounds_in_world(id);
   return std::any_of(groups_.begin(), groups_.end(),
                      [&](const auto& g) { return g->footprint().overlaps(bounds, kTouch); });
 }
@@ -125,7 +125,7 @@ std::vector<std::size_t> Mosaic::groups_touching(const GeoBounds& bounds) const 
 std::optional<int> Mosaic::leaf_level(const TileId& id) const {
   if (!covers(id)) return std::nullopt;
   int finest = kMinLevel;
-  for (const std::size_t g : groups_touching(tile_bounds(id)))
+  for (const std::size_t g : groups_touching(tile_bounds_in_world(id)))
     finest = std::max(finest, groups_[g]->native_level());
   return finest;
 }

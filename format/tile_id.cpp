@@ -41,6 +41,13 @@ GeoBounds tile_bounds(const TileId& id) {
   return {west, south, west + width, south + width};
 }
 
+GeoBounds tile_bounds_in_world(const TileId& id) {
+  GeoBounds bounds = tile_bounds(id);
+  bounds.east = std::min(bounds.east, 180.0);
+  bounds.north = std::min(bounds.north, 90.0);
+  return bounds;
+}
+
 TileId parent_of(const TileId& id) {
   assert(id.level > kMinLevel);
   return {id.level - 1, id.x >> 1, id.y >> 1};

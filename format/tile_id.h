@@ -47,6 +47,8 @@ TileId tile_at(LonLat place, int level);
 
 /// West, south, east, north; exact. May reach past 180 and 90 where the tile overhangs.
 GeoBounds tile_bounds(const TileId& id);
+/// The same without the overhang: what a source must reach to be of the tile.
+GeoBounds tile_bounds_in_world(const TileId& id);
 
 /// The tile one level coarser that covers this one. REQUIRES: level > kMinLevel.
 TileId parent_of(const TileId& id);

@@ -281,6 +281,10 @@ TEST_CASE("levels coarser than a cell share their edges where the sources end on
     REQUIRE(verified.ok());
     for (const Finding& f : verified->findings) UNSCOPED_INFO(f.where << ": " << f.what);
     CHECK(verified->ok());
+    const PackReader pack = open_pack(options.target);
+    CHECK(pack.find(Layer::heights, {kMinLevel, 0, 0}).has_value());
+    const auto accuracy = nlohmann::json::parse(pack.metadata_json()).at("accuracy");
+    CHECK(accuracy.at("posts").get<std::uint64_t>() == 5u * 1201 * 1201 - 4u * 1201);  // shared edges once
   }
 }
 
