@@ -59,8 +59,8 @@ struct FrameRecord {
   std::uint64_t resident_bytes = 0;  ///< decoded tiles and what the method keeps beside them
   std::uint64_t loaded_bytes = 0;    ///< of the scene's blocks, as stored
   std::uint64_t useful_loaded_bytes = 0;
-  std::optional<MeshFaults> faults;  ///< of the whole map's mesh; in the first and the middle frame,
-                                     ///< at the largest tolerance
+  std::optional<MeshFaults> faults;  ///< of the whole map's mesh; in the first frame, at the
+                                     ///< largest tolerance
 };
 
 using TakeRecord = std::function<void(const FrameRecord&)>;

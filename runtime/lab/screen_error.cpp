@@ -45,12 +45,7 @@ bool contains(const TileId& outer, const TileId& inner) {
   return outer.level <= inner.level && ancestor_of(inner, outer.level) == outer;
 }
 
-/// A vertex on a leaf's grid of samples: where, and its place in the camera.
-struct GridVertex {
-  double column = 0;
-  double row = 0;
-  glm::dvec3 at{};
-};
+using GridVertex = FinestPicture::GridVertex;
 
 /// What is linear over a triangle, along the grid.
 struct Plane {
@@ -199,40 +194,43 @@ FinestPicture::Projected FinestPicture::project(const PlacedMesh& mesh) const {
 
 void FinestPicture::draw(const Projected& mesh, const Leaf& leaf, std::vector<Pixel>& out) const {
   out.assign(leaf.samples.size(), {kNowhere, kNowhere});
-  const double focal = screen_.pixels_per_radian();
   const double scale = 1 / static_cast<double>(leaf.spacing);
-  const int last = leaf.side - 1;
   for (std::size_t i = 0; i < mesh.mesh->areas.size(); ++i) {
     const TileId& area = mesh.mesh->areas[i];
     if (!contains(area, leaf.area) && !contains(leaf.area, area)) continue;
     const LodTileMesh& tile = mesh.mesh->mesh.tiles[i];
     for (const LodTriangle& t : tile.triangles) {
       GridVertex v[3];
-      Span columns, rows;
       for (std::size_t k = 0; k < 3; ++k) {
         const LatticePoint& p = tile.vertices[t[k]].point;
         v[k] = {static_cast<double>(p.x - leaf.corner.x) * scale,
                 static_cast<double>(p.y - leaf.corner.y) * scale, mesh.vertices[i][t[k]]};
-        columns.add(v[k].column);
-        rows.add(v[k].row);
       }
-      if (columns.high < 0 || rows.high < 0 || columns.low > last || rows.low > last) continue;
-      if (v[0].at.z <= 0 && v[1].at.z <= 0 && v[2].at.z <= 0) continue;
-      const Plane plane(v[0], v[1], v[2]);
-      const int last_row = static_cast<int>(std::min<double>(std::floor(rows.high), last));
-      for (int r = static_cast<int>(std::max(std::ceil(rows.low), 0.0)); r <= last_row; ++r) {
-        const Span span = span_in_row(v, r);
-        const int first = static_cast<int>(std::max(std::ceil(span.low - 1e-9), 0.0));
-        const int end = static_cast<int>(std::min<double>(std::floor(span.high + 1e-9), last));
-        const glm::dvec3 start = plane.at(0, r);
-        Pixel* row = &out[static_cast<std::size_t>(r) * static_cast<std::size_t>(leaf.side)];
-        for (int c = first; c <= end; ++c) {
-          const double z = start.z + plane.east.z * c;
-          const double f = z > 0 ? focal / z : std::numeric_limits<double>::infinity();
-          row[c] = {static_cast<float>((start.x + plane.east.x * c) * f),
-                    static_cast<float>((start.y + plane.east.y * c) * f)};
-        }
-      }
+      draw_triangle(v, leaf.side, out);
+    }
+  }
+}
+
+/// At every sample of the grid that the triangle covers, its edges included.
+void FinestPicture::draw_triangle(const GridVertex (&v)[3], int side, std::vector<Pixel>& out) const {
+  const int last = side - 1;
+  Span columns, rows;
+  for (const GridVertex& vertex : v) columns.add(vertex.column), rows.add(vertex.row);
+  if (columns.high < 0 || rows.high < 0 || columns.low > last || rows.low > last) return;
+  if (v[0].at.z <= 0 && v[1].at.z <= 0 && v[2].at.z <= 0) return;
+  const Plane plane(v[0], v[1], v[2]);
+  const int last_row = static_cast<int>(std::min<double>(std::floor(rows.high), last));
+  for (int r = static_cast<int>(std::max(std::ceil(rows.low), 0.0)); r <= last_row; ++r) {
+    const Span span = span_in_row(v, r);
+    const int first = static_cast<int>(std::max(std::ceil(span.low - 1e-9), 0.0));
+    const int end = static_cast<int>(std::min<double>(std::floor(span.high + 1e-9), last));
+    const glm::dvec3 start = plane.at(0, r);
+    Pixel* row = &out[static_cast<std::size_t>(r) * static_cast<std::size_t>(side)];
+    for (int c = first; c <= end; ++c) {
+      const double z = start.z + plane.east.z * c;
+      const double f = z > 0 ? screen_.pixels_per_radian() / z : std::numeric_limits<double>::infinity();
+      row[c] = {static_cast<float>((start.x + plane.east.x * c) * f),
+                static_cast<float>((start.y + plane.east.y * c) * f)};
     }
   }
 }

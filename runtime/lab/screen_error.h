@@ -46,6 +46,13 @@ class FinestPicture {
   /// Against a mesh, and popping against the one before if there is one.
   ScreenError measure(const PlacedMesh& mesh, const PlacedMesh* before) const;
 
+  /// A mesh's vertex on a tile's grid of samples, and its place in the camera: right, up, along the view.
+  struct GridVertex {
+    double column = 0;
+    double row = 0;
+    glm::dvec3 at{};
+  };
+
  private:
   struct Pixel {
     float u = 0;
@@ -67,6 +74,7 @@ class FinestPicture {
   Projected project(const PlacedMesh& mesh) const;
   std::uint64_t count_useful(const Projected& mesh) const;
   void draw(const Projected& mesh, const Leaf& leaf, std::vector<Pixel>& out) const;
+  void draw_triangle(const GridVertex (&v)[3], int side, std::vector<Pixel>& out) const;
   void compare(const Leaf& leaf, const std::vector<Pixel>& now, const std::vector<Pixel>* before,
                Tally& tally) const;
 
