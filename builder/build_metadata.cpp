@@ -158,7 +158,8 @@ std::string describe_pack(const PackLayers& layers, const BuildOptions& options,
   if (layers.plan && options.rqt_tolerance_m)
     meta["rqt"] = {{"tolerance_m", *options.rqt_tolerance_m}, {"triangulations", kRqtSteps}};
   meta["options"] = options_of(options);
-  return meta.dump(1);
+  // A file's name need not be UTF-8, JSON must.
+  return meta.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace cairn

@@ -45,7 +45,7 @@ Result<PackHeader> read_header(const File& file) {
   std::array<std::byte, kPackHeaderBytes> bytes{};
   const std::size_t there = *size < bytes.size() ? static_cast<std::size_t>(*size) : bytes.size();
   if (const Status status = file.read(0, std::span(bytes).first(there)); !status) return status.error();
-  const Result<PackHeader> header = decode_header(std::span(bytes).first(there));
+  Result<PackHeader> header = decode_header(std::span(bytes).first(there));
   if (!header) return in_file(file.path(), "", header.error());
   if (header->file_bytes() != *size) {
     return bad_data(file.path().string() + ": file size: expected " + std::to_string(header->file_bytes()) +

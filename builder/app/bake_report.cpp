@@ -85,7 +85,7 @@ void print_dry_run(const DryRun& dry, bool json) {
   out["estimated_seconds"] = dry.estimated_seconds;
   out["memory_bytes"] = dry.memory_bytes;
   if (json) {
-    fmt::print("{}\n", out.dump(1));
+    fmt::print("{}\n", out.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
     return;
   }
   for (const auto& [level, tiles] : dry.tiles) fmt::print("level {:>3}: {:>8} tiles at most\n", level, tiles);

@@ -95,7 +95,7 @@ int run_extract(const ExtractOptions& options) {
         {"layer", to_string(options.layer)},
         {"samples", side},
         {"bounds", {{"west", b.west}, {"south", b.south}, {"east", b.east}, {"north", b.north}}}};
-    fmt::print("{}\n", report.dump(2));
+    fmt::print("{}\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
     fmt::print("{}: {}x{} {} of tile {}, west {} south {} east {} north {}\n", options.output, side, side,
                to_string(options.layer), to_string(*id), b.west, b.south, b.east, b.north);

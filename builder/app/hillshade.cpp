@@ -207,7 +207,7 @@ int run_hillshade(const HillshadeOptions& options) {
         {"rows", plan->size.rows},
         {"level", plan->level},
         {"region", {{"west", r.west}, {"south", r.south}, {"east", r.east}, {"north", r.north}}}};
-    fmt::print("{}\n", report.dump(2));
+    fmt::print("{}\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
     fmt::print("{}: {}x{} pixels of {} {} {} {}, from level {}\n", options.output, plan->size.columns,
                plan->size.rows, r.west, r.south, r.east, r.north, plan->level);

@@ -111,6 +111,19 @@ TEST_CASE("a dry run says what would be done and writes nothing") {
   CHECK(files_in(dir.path()) == 0);
 }
 
+TEST_CASE("a file whose name is no UTF-8 is baked, and named in valid JSON") {
+  const test::TempDir dir;
+  const fs::path source = dir.path() / "h\xff\xc3.tif";
+  fs::copy_file(jacksboro(), source);
+  const std::string pack = (dir.path() / "a.cairn").string();
+  const Ran ran = run_cairn({"bake", source.string(), "-o", pack, "--json"});
+  INFO(ran.err);
+  REQUIRE(ran.exit_code == 0);
+  CHECK(json::parse(ran.out)["sources"][0]["posts_won"] == 344 * 403);
+  CHECK(json::parse(run_cairn({"info", pack, "--json"}).out)["sources"].size() == 1);
+  CHECK(run_cairn({"verify", pack}).exit_code == 0);
+}
+
 TEST_CASE("an output that exists is refused without --force and replaced with it") {
   const test::TempDir dir;
   const fs::path pack = dir.path() / "a.cairn";
