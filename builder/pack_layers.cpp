@@ -53,7 +53,7 @@ Result<PackLayers> plan_layers(const BuildOptions& options, int threads) {
     if (!mosaic) return mosaic.error();
     layers.imagery = std::move(*mosaic);
     layers.imagery_tree = imagery_tree(layers, options);
-    if (!layers.heights && !layers.imagery_tree->wants({kMinLevel, 0, 0}))
+    if (!layers.heights && layers.imagery_tree->leaf_count() == 0)
       return usage_error("--region: expected an area that the sources cover, found none");
   }
   return layers;

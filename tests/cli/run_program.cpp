@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 #include <catch2/catch.hpp>
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -24,11 +26,8 @@ std::string text_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-}  // namespace
-
-Ran run_cairn(const std::vector<std::string>& arguments, const std::string& input) {
-  const TempDir dir;
-  std::ofstream(dir.path() / "in", std::ios::binary) << input;
+// Its stdin, stdout and stderr are files of that folder.
+pid_t start(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
   std::vector<std::string> words{CAIRN_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -37,16 +36,36 @@ Ran run_cairn(const std::vector<std::string>& arguments, const std::string& inpu
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
   if (child == 0) {
-    redirect(0, dir.path() / "in", O_RDONLY);
-    redirect(1, dir.path() / "out", O_WRONLY | O_CREAT);
-    redirect(2, dir.path() / "err", O_WRONLY | O_CREAT);
+    redirect(0, folder / "in", O_RDONLY);
+    redirect(1, folder / "out", O_WRONLY | O_CREAT);
+    redirect(2, folder / "err", O_WRONLY | O_CREAT);
     ::execv(argv[0], argv.data());
     ::_exit(127);
   }
+  return child;
+}
+
+}  // namespace
+
+Ran run_cairn(const std::vector<std::string>& arguments, const std::string& input) {
+  const TempDir dir;
+  std::ofstream(dir.path() / "in", std::ios::binary) << input;
+  const pid_t child = start(arguments, dir.path());
   int status = 0;
   REQUIRE(::waitpid(child, &status, 0) == child);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(dir.path() / "out"),
           text_of(dir.path() / "err")};
+}
+
+bool run_cairn_and_kill(const std::vector<std::string>& arguments, std::chrono::milliseconds after) {
+  const TempDir dir;
+  std::ofstream(dir.path() / "in");
+  const pid_t child = start(arguments, dir.path());
+  std::this_thread::sleep_for(after);
+  ::kill(child, SIGKILL);
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  return WIFSIGNALED(status);
 }
 
 bool is_one_line(const std::string& text) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@ struct Ran {
 
 /// Runs the `cairn` program that was built beside the tests; `input` is its stdin.
 Ran run_cairn(const std::vector<std::string>& arguments, const std::string& input = "");
+
+/// Starts it, and kills it (as kill -9 does) after a while; whether it was still running.
+bool run_cairn_and_kill(const std::vector<std::string>& arguments, std::chrono::milliseconds after);
 
 /// Whether the text is exactly one line.
 bool is_one_line(const std::string& text);
