@@ -20,6 +20,7 @@ struct Joint {
   std::int64_t last = 0;
   std::int64_t spacing = 0;  ///< of the vertices that both have
   const SurfaceTile* surface = nullptr;
+  bool decided = false;  ///< its ends are among the deciders
 };
 using Joints = std::array<std::vector<Joint>, 4>;
 
@@ -81,9 +82,12 @@ class Planner {
       const std::int64_t common = std::max(spacing(s.finer), spacing(s.coarser));
       const SurfaceTile* mine = patches_[s.finer].surface;
       const SurfaceTile* theirs = patches_[s.coarser].surface;
-      add_joint(s.finer, s.finer_side, {s.along_first, s.along_last, common, coarser_of(mine, theirs)});
-      add_joint(s.coarser, s.coarser_side(), {s.along_first, s.along_last, common, coarser_of(theirs, mine)});
-      if (!samples_at_ends(s)) decide_ends(s);
+      const bool decided = !samples_at_ends(s);
+      add_joint(s.finer, s.finer_side,
+                {s.along_first, s.along_last, common, coarser_of(mine, theirs), decided});
+      add_joint(s.coarser, s.coarser_side(),
+                {s.along_first, s.along_last, common, coarser_of(theirs, mine), decided});
+      if (decided) decide_ends(s);
     }
   }
 
@@ -149,11 +153,22 @@ class Planner {
       return surface && lattice <= surface->id.level + finest_of_tile;
     };
     const SurfaceTile* own = patches_[index].surface;
-    if (!deciders_.empty() || !has_samples(own) || !own->exact_on_gpu) return false;
+    if (!has_samples(own) || !own->exact_on_gpu || has_decided_corner(grid, side)) return false;
     const auto& joints = joints_[index][static_cast<std::size_t>(side)];
     return std::all_of(joints.begin(), joints.end(), [&](const Joint& joint) {
-      return joint.spacing <= spacing(index) && has_samples(joint.surface);
+      return !joint.decided && joint.spacing <= spacing(index) && has_samples(joint.surface);
     });
+  }
+
+  bool has_decided_corner(const GridPatch& grid, Side side) const {
+    if (deciders_.empty()) return false;
+    const LatticePoint corner = south_west_of(grid.area);
+    const bool vertical = side == Side::west || side == Side::east;
+    const std::int64_t first = vertical ? corner.y : corner.x;
+    const std::int64_t end = vertical ? kLatticePoleToPole : kLatticeAround;
+    const std::int64_t last = std::min(first + lattice_width(grid.area.level), end);
+    return deciders_.contains(canonical(point_on(grid.area, side, first))) ||
+           deciders_.contains(canonical(point_on(grid.area, side, last)));
   }
 
   void append_side(std::size_t index, const GridPatch& grid, Side side) {

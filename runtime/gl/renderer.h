@@ -9,13 +9,11 @@
 
 #include "format/status.h"
 #include "runtime/gl/height_upload.h"
+#include "runtime/gl/view_transform.h"
 #include "runtime/render_list.h"
 #include "runtime/view_state.h"
 
 namespace cairn::gl {
-
-/// Anything nearer is not drawn. With a reversed float depth it may be as near as one likes.
-inline constexpr double kNear_m = 0.05;
 
 /// How a frame looks.
 struct FrameLook {
@@ -25,6 +23,7 @@ struct FrameLook {
   bool wireframe = false;
   bool level_colours = false;  ///< a colour for each level instead of imagery or tint
   double tolerance_px = 1;     ///< screen error that the mesh may add to the tiles' own; > 0
+  bool draws = true;           ///< false: all of a frame's work but the draw calls, to measure it
 };
 
 /// What a frame took.
@@ -32,6 +31,7 @@ struct FrameCounts {
   std::size_t patches = 0;
   std::size_t triangles = 0;
   std::size_t uploads = 0;      ///< tiles that became textures
+  double upload_ms = 0;         ///< CPU time of the thread that this took
   std::uint64_t gpu_bytes = 0;  ///< of textures and buffers
 };
 
@@ -40,8 +40,9 @@ struct FrameCounts {
 class Renderer {
  public:
   /// failed where the context is older than 4.5 or a shader is refused. `tile_size` and `quantum_m` are the
-  /// pack's; `uploads` outlives the renderer.
-  static Result<Renderer> create(int tile_size, double quantum_m, HeightUploads& uploads);
+  /// pack's, which has `expected_tiles` at most in a layer; `uploads` outlives the renderer.
+  static Result<Renderer> create(int tile_size, double quantum_m, std::size_t expected_tiles,
+                                 HeightUploads& uploads);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();

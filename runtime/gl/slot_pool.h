@@ -7,8 +7,9 @@
 
 namespace cairn::gl {
 
-/// Which thing lies in which slot of a GPU array. A thing keeps its slot until another needs it; the slot
-/// that was used longest ago goes first, and none that the current frame has used.
+/// Which thing lies in which slot of a GPU array. A thing keeps its slot until it is released, or until
+/// another takes it: then the slot that was used longest ago goes first, and none that the current frame has
+/// used.
 template <class Key>
 class SlotPool {
  public:
@@ -30,15 +31,35 @@ class SlotPool {
     for (std::uint32_t i = 0; i < slots_.size(); ++i) {
       if (slots_[i].used < frame_ && (!oldest || slots_[i].used < slots_[*oldest].used)) oldest = i;
     }
-    if (!oldest) return std::nullopt;
-    Slot& slot = slots_[*oldest];
-    if (slot.used > 0) by_key_.erase(slot.key);
-    slot = {key, frame_};
-    by_key_.emplace(key, *oldest);
+    if (oldest) put(key, *oldest);
     return oldest;
   }
 
+  /// Gives a thing a slot that no other has; nullopt where there is none. REQUIRES: it has none.
+  std::optional<std::uint32_t> take_free(const Key& key) {
+    for (std::uint32_t i = 0; i < slots_.size(); ++i) {
+      if (slots_[i].used > 0) continue;
+      put(key, i);
+      return i;
+    }
+    return std::nullopt;
+  }
+
+  void release(const Key& key) {
+    const auto it = by_key_.find(key);
+    if (it == by_key_.end()) return;
+    slots_[it->second].used = 0;
+    by_key_.erase(it);
+  }
+
  private:
+  void put(const Key& key, std::uint32_t index) {
+    Slot& slot = slots_[index];
+    if (slot.used > 0) by_key_.erase(slot.key);
+    slot = {key, frame_};
+    by_key_.emplace(key, index);
+  }
+
   struct Slot {
     Key key{};
     std::uint64_t used = 0;  // the frame; 0: never

@@ -10,7 +10,6 @@
 namespace cairn::gl {
 namespace {
 
-constexpr std::uint32_t kFirstLayers = 16;
 constexpr float kAnisotropy = 4;
 
 void clamp_to_edge(GLuint texture) {
@@ -47,12 +46,12 @@ void filter_without_mips(GLuint texture) {
 
 /// The layer for a tile; doubles the arrays where every layer is in use.
 template <class Grow>
-std::uint32_t layer_for(SlotPool<TileId>& slots, const TileId& id, Grow grow) {
-  if (const auto slot = slots.take(id)) return *slot;
-  const std::uint32_t capacity = std::max(kFirstLayers, slots.capacity() * 2);
+std::uint32_t layer_for(SlotPool<TileId>& slots, const TileId& id, std::uint32_t first, Grow grow) {
+  if (const auto slot = slots.take_free(id)) return *slot;
+  const std::uint32_t capacity = std::max(first, slots.capacity() * 2);
   grow(capacity);
   slots.grow(capacity);
-  return *slots.take(id);
+  return *slots.take_free(id);
 }
 
 void upload_compressed(const LayerArray& array, std::uint32_t layer, int mip, std::size_t bytes,
@@ -82,11 +81,13 @@ bool can_read(TextureFormat format) {
 
 }  // namespace
 
-HeightTextures::HeightTextures(int tile_size)
-    : heights_(GL_R16, tile_size, 1), normals_(GL_COMPRESSED_SIGNED_RG_RGTC2, tile_size - 1, kNormalMips) {}
+HeightTextures::HeightTextures(int tile_size, std::uint32_t first_layers)
+    : first_layers_(first_layers),
+      heights_(GL_R16, tile_size, 1),
+      normals_(GL_COMPRESSED_SIGNED_RG_RGTC2, tile_size - 1, kNormalMips) {}
 
 std::uint32_t HeightTextures::add(const TileId& id, const HeightUpload& upload) {
-  const std::uint32_t layer = layer_for(slots_, id, [this](std::uint32_t capacity) {
+  const std::uint32_t layer = layer_for(slots_, id, first_layers_, [this](std::uint32_t capacity) {
     heights_.grow(capacity, filter_without_mips);
     normals_.grow(capacity, filter_linear);
   });
@@ -115,15 +116,16 @@ std::uint64_t HeightTextures::bytes() const {
   return slots_.capacity() * (samples * 2 + cells * 4 / 3);
 }
 
-ImageryTextures::ImageryTextures(TextureFormat format, int size)
+ImageryTextures::ImageryTextures(TextureFormat format, int size, std::uint32_t first_layers)
     : format_(format),
+      first_layers_(first_layers),
       supported_(can_read(format)),
       layers_(srgb_format(format), size, std::bit_width(static_cast<unsigned>(size))) {}
 
 std::uint32_t ImageryTextures::add(const TileId& id, const TextureTile& tile) {
   assert(supported_ && tile.format == format_ && tile.size == layers_.size());
-  const std::uint32_t layer =
-      layer_for(slots_, id, [this](std::uint32_t capacity) { layers_.grow(capacity, filter_imagery); });
+  const std::uint32_t layer = layer_for(
+      slots_, id, first_layers_, [this](std::uint32_t capacity) { layers_.grow(capacity, filter_imagery); });
   const std::byte* texels = tile.texels.data();
   for (int mip = 0; mip < layers_.mips(); ++mip) {
     const std::size_t bytes = texture_image_bytes(format_, std::max(layers_.size() >> mip, 1));

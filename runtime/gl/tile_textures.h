@@ -13,12 +13,13 @@
 
 namespace cairn::gl {
 
-/// The heights and normals of tiles, a layer each of two array textures.
+/// The heights and normals of tiles, a layer each of two array textures. A tile stays until it is released.
 class HeightTextures {
  public:
-  explicit HeightTextures(int tile_size);
+  /// Room for `first_layers` is made with the first tile, for twice as many when that is used up.
+  HeightTextures(int tile_size, std::uint32_t first_layers);
 
-  void begin_frame() { slots_.begin_frame(); }
+  void release(const TileId& id) { slots_.release(id); }
   std::optional<std::uint32_t> find(const TileId& id) { return slots_.find(id); }
   /// REQUIRES: find() has said no. Grows where all layers are in use.
   std::uint32_t add(const TileId& id, const HeightUpload& upload);
@@ -26,20 +27,22 @@ class HeightTextures {
   std::uint64_t bytes() const;
 
  private:
+  std::uint32_t first_layers_;
   SlotPool<TileId> slots_;
   LayerArray heights_;
   LayerArray normals_;
 };
 
-/// The imagery of tiles in one block format, uploaded as the pack stores it.
+/// The imagery of tiles in one block format, uploaded as the pack stores it. A tile stays until it is
+/// released.
 class ImageryTextures {
  public:
-  ImageryTextures(TextureFormat format, int size);
+  ImageryTextures(TextureFormat format, int size, std::uint32_t first_layers);
 
   /// Whether this context can read the format.
   bool supported() const { return supported_; }
   TextureFormat format() const { return format_; }
-  void begin_frame() { slots_.begin_frame(); }
+  void release(const TileId& id) { slots_.release(id); }
   std::optional<std::uint32_t> find(const TileId& id) { return slots_.find(id); }
   /// REQUIRES: supported(), find() has said no, and the tile is of this format and size.
   std::uint32_t add(const TileId& id, const TextureTile& tile);
@@ -48,6 +51,7 @@ class ImageryTextures {
 
  private:
   TextureFormat format_;
+  std::uint32_t first_layers_;
   bool supported_ = false;
   SlotPool<TileId> slots_;
   LayerArray layers_;

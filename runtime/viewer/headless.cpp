@@ -1,6 +1,5 @@
 #include "runtime/viewer/headless.h"
 
-#include <ctime>
 #include <fstream>
 #include <iomanip>
 #include <ostream>
@@ -8,6 +7,7 @@
 
 #include "runtime/frame_stats.h"
 #include "runtime/gl/headless_context.h"
+#include "runtime/gl/thread_clock.h"
 #include "runtime/viewer/flight.h"
 #include "runtime/viewer/png_file.h"
 #include "runtime/viewer/scene.h"
@@ -35,13 +35,6 @@ std::filesystem::path frame_path(const Options& options, std::size_t frame) {
   return options.frames / name.str();
 }
 
-/// CPU time of this thread, in milliseconds: what the frame's work took, whatever else the machine does.
-double thread_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-}
-
 class FlightRun {
  public:
   FlightRun(const Options& options, const Flight& flight, Scene& scene, const gl::FrameTarget& target)
@@ -50,7 +43,9 @@ class FlightRun {
   Status run(gl::FrameLook look, ViewState view, std::ostream& messages) {
     const Status opened = open_outputs();
     if (!opened) return opened;
+    // What came before the flight is not of it: tiles waited for, and the first frame, which uploads them all.
     scene_.load_all(at(view, 0));
+    scene_.draw_list(at(view, 0), look, target_.framebuffer());
     for (std::size_t i = 0; i < flight_.frame_count(); ++i) {
       view = at(view, i);
       look.to_sun = sun_direction(view.eye, options_.hour);
@@ -76,7 +71,8 @@ class FlightRun {
   Status open_outputs() {
     if (!options_.stats.empty()) {
       stats_.open(options_.stats, std::ios::trunc);
-      stats_ << "frame,update_ms,draw_ms,patches,triangles,uploads,gpu_bytes,resident_bytes,complete\n";
+      stats_ << "frame,update_ms,draw_ms,upload_ms,patches,triangles,uploads,gpu_bytes,resident_bytes,"
+                "complete\n";
     }
     if (options_.video.empty()) return {};
     Result<VideoPipe> pipe =
@@ -90,15 +86,15 @@ class FlightRun {
     const bool keeps = !options_.frames.empty() || video_;
     // A picture waits for what it shows; a measured frame, like a window's, does not.
     if (keeps) scene_.load_all(view);
-    const double begin = thread_ms();
+    const double begin = gl::thread_cpu_ms();
     scene_.update(view, 1 / flight_.frames_per_second);
-    const double updated = thread_ms();
+    const double updated = gl::thread_cpu_ms();
     const gl::FrameCounts counts = scene_.draw_list(view, look, target_.framebuffer());
-    const double drawn = thread_ms();
+    const double drawn = gl::thread_cpu_ms();
     if (stats_.is_open()) {
-      stats_ << index << ',' << updated - begin << ',' << drawn - updated << ',' << counts.patches << ','
-             << counts.triangles << ',' << counts.uploads << ',' << counts.gpu_bytes << ','
-             << scene_.terrain().stats().resident_bytes << ',' << scene_.list()->is_complete << '\n';
+      stats_ << index << ',' << updated - begin << ',' << drawn - updated << ',' << counts.upload_ms << ','
+             << counts.patches << ',' << counts.triangles << ',' << counts.uploads << ',' << counts.gpu_bytes
+             << ',' << scene_.terrain().stats().resident_bytes << ',' << scene_.list()->is_complete << '\n';
     }
     if (!keeps) return {};
     const gl::Picture picture = target_.read();

@@ -28,6 +28,10 @@ void declare(CLI::App& app, cairn::viewer::Options& o) {
       ->check(CLI::ExistingDirectory);
   app.add_option("--video", o.video, "write the flight as a film (needs ffmpeg)")->needs(flight);
   app.add_option("--stats", o.stats, "write what each frame of the flight took, as CSV")->needs(flight);
+  app.add_flag(
+         "--no-draw", o.no_draw,
+         "do all of a frame's work but the draw calls, so that --stats measures the work on the CPU only")
+      ->needs(flight);
   app.add_option("--hole-colour", o.hole_colour, "draw this colour where no terrain is, instead of the sky");
   app.add_option("--hour", o.hour, "local solar time, 0 to 24")
       ->check(CLI::Range(0.0, 24.0))

@@ -30,6 +30,7 @@ struct Options {
   bool no_fog = false;
   bool wireframe = false;
   bool levels = false;
+  bool no_draw = false;
 
   bool is_headless() const {
     return !screenshot.empty() || !frames.empty() || !video.empty() || !stats.empty();

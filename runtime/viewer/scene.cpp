@@ -39,7 +39,8 @@ Result<Scene> Scene::open(const Options& options) {
   auto pack = std::make_shared<const PackReader>(std::move(*reader));
   const PackHeader& header = pack->header();
   auto uploads = std::make_unique<gl::HeightUploads>();
-  Result<gl::Renderer> renderer = gl::Renderer::create(header.tile_size, header.quantum_m, *uploads);
+  Result<gl::Renderer> renderer =
+      gl::Renderer::create(header.tile_size, header.quantum_m, pack->entry_count(), *uploads);
   if (!renderer) return renderer.error();
   TerrainOptions terrain_options;
   terrain_options.cache_bytes = options.cache_mib << 20;
@@ -89,6 +90,7 @@ Result<gl::FrameLook> look_of(const Options& options) {
   look.fog = !options.no_fog;
   look.wireframe = options.wireframe;
   look.level_colours = options.levels;
+  look.draws = !options.no_draw;
   look.tolerance_px = options.tolerance_px;
   if (!options.hole_colour.empty()) {
     const Result<glm::vec3> colour = parse_colour(options.hole_colour);

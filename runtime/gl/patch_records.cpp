@@ -1,0 +1,72 @@
+#include "runtime/gl/patch_records.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace cairn::gl {
+namespace {
+
+static_assert(sizeof(PatchRecord) == 80 && offsetof(PatchRecord, height_origin) == 48);
+static_assert(sizeof(PerimeterVertex) == 8);
+
+/// Where the south-west corner of an area lies in a tile that covers it, 0…1, and the area's share of a side.
+struct Window {
+  double x = 0;
+  double y = 0;
+  double scale = 1;
+};
+Window window_in(const TileId& tile, const TileId& area) {
+  const LatticePoint a = south_west_of(area), t = south_west_of(tile);
+  const auto width = static_cast<double>(lattice_width(tile.level));
+  return {static_cast<double>(a.x - t.x) / width, static_cast<double>(a.y - t.y) / width,
+          std::ldexp(1.0, tile.level - area.level)};
+}
+
+void show_heights(const RenderTile& tile, const GridPatch& grid, ResidentTiles& resident,
+                  PatchRecord& record) {
+  const ResidentHeights* heights = resident.heights_of(tile);
+  if (!heights) return;
+  const Window window = window_in(tile.heights_id, grid.area);
+  const double cells = resident.tile_size() - 1;
+  record.height_layer = static_cast<std::int32_t>(resident.height_layer(*heights));
+  record.height_base = heights->base;
+  record.height_shift = heights->shift;
+  record.height_step = static_cast<float>(window.scale * cells / grid.cells());
+  record.height_origin = glm::vec2(window.x * cells, window.y * cells);
+}
+
+void show_imagery(const RenderTile& tile, const GridPatch& grid, ResidentTiles& resident,
+                  PatchRecord& record) {
+  const auto place = resident.imagery_of(tile);
+  if (!place) return;
+  const Window window = window_in(tile.imagery_id, grid.area);
+  record.imagery_array = place->array + 1;
+  record.imagery_layer = static_cast<std::int32_t>(place->layer);
+  record.imagery_origin = glm::vec2(window.x, window.y);
+  record.imagery_scale = static_cast<float>(window.scale);
+}
+
+}  // namespace
+
+std::vector<PatchRecord> patch_records(const MeshPlan& plan, std::span<const RenderTile* const> tiles,
+                                       ResidentTiles& resident, ColumnBuffer& columns, RowBuffer& rows) {
+  std::vector<PatchRecord> records;
+  records.reserve(plan.patches.size());
+  for (const GridPatch& grid : plan.patches) {
+    PatchRecord record;
+    record.column_table = columns.first_entry(grid.area.level, grid.area.x);
+    record.row_table = rows.first_entry(grid.area.level, grid.area.y);
+    record.cells_log2 = static_cast<std::uint32_t>(grid.cells_log2);
+    record.cells_east = static_cast<std::uint32_t>(grid.cells_east);
+    record.cells_north = static_cast<std::uint32_t>(grid.cells_north);
+    record.perimeter = static_cast<std::uint32_t>(grid.perimeter);
+    record.listed_sides = grid.listed_sides;
+    record.level = grid.area.level;
+    show_heights(*tiles[grid.from], grid, resident, record);
+    show_imagery(*tiles[grid.from], grid, resident, record);
+    records.push_back(record);
+  }
+  return records;
+}
+
+}  // namespace cairn::gl

@@ -1,0 +1,49 @@
+#include "runtime/gl/view_transform.h"
+
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+
+#include "runtime/geodesy.h"
+
+namespace cairn::gl {
+
+glm::dmat4 clip_from_eye(const CameraFrame& camera, const ViewState& view) {
+  const double f = 1 / std::tan(glm::radians(view.fov_y_deg) / 2);
+  const double aspect = static_cast<double>(view.viewport_width_px) / view.viewport_height_px;
+  const glm::dvec3 right = camera.right * (f / aspect), up = camera.up * f;
+  const glm::dmat4 rows{glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(0, 0, 0, kNear_m),
+                        glm::dvec4(camera.forward, 0)};
+  return glm::transpose(rows);
+}
+
+std::vector<glm::dvec3> inward_normals(const CameraFrame& camera, const ViewState& view) {
+  const double top = std::tan(glm::radians(view.fov_y_deg) / 2);
+  const double side = top * view.viewport_width_px / view.viewport_height_px;
+  return {glm::normalize(camera.forward * side + camera.right),
+          glm::normalize(camera.forward * side - camera.right),
+          glm::normalize(camera.forward * top + camera.up), glm::normalize(camera.forward * top - camera.up),
+          camera.forward};
+}
+
+glm::mat4 ray_from_clip(const CameraFrame& camera, const ViewState& view) {
+  const double t = std::tan(glm::radians(view.fov_y_deg) / 2);
+  const double aspect = static_cast<double>(view.viewport_width_px) / view.viewport_height_px;
+  return glm::mat4(glm::dmat4{glm::dvec4(camera.right * (t * aspect), 0), glm::dvec4(camera.up * t, 0),
+                              glm::dvec4(0), glm::dvec4(camera.forward, 0)});
+}
+
+glm::dvec4 horizon_plane(const glm::dvec3& eye) {
+  constexpr double kDeepest = 12000, kHighest = 10000;  // no ground is lower, higher
+  const glm::dvec3 radii = glm::dvec3(kEquatorialRadius, kEquatorialRadius, kPolarRadius) - kDeepest;
+  const glm::dvec3 scaled = eye / radii;
+  const double m = glm::length(scaled);
+  if (m <= 1) return {0, 0, 0, 1};
+  const double r = (kPolarRadius + kHighest) / radii.z;
+  const double seen = 1 / m - std::sqrt(1 - 1 / (m * m)) * std::sqrt(r * r - 1);
+  return {scaled / m / radii, m - seen};
+}
+
+}  // namespace cairn::gl
