@@ -77,7 +77,7 @@ class Selection {
   }
 
   int limit(const Allowance::Scale& scale, double chord_m) const {
-    return errors_.code().limit(static_cast<float>(allowance_.error_m(scale, tile_.error_m, chord_m)));
+    return round_down(static_cast<float>(allowance_.error_m(scale, tile_.error_m, chord_m)));
   }
 
   void enable_within(int k, int x, int y, const Limits& limits) {

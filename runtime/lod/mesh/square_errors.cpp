@@ -14,27 +14,21 @@
 namespace cairn {
 namespace {
 
-constexpr int kMantissaBits = 19;  // of a float's 23, left out: four stay
+constexpr int kDroppedBits = 15;  // of a float: its sign is 0, so that sixteen are left
 
-std::int64_t bits_of(float length) {
+std::int32_t bits_of(float length) {
   return std::bit_cast<std::int32_t>(length);
 }
 
 }  // namespace
 
-LengthCode::LengthCode(float largest_m)
-    : base_((bits_of(std::max(largest_m, 1e-6f)) >> kMantissaBits) - 254) {}
-
-std::uint8_t LengthCode::round_up(float length_m) const {
-  if (length_m <= 0) return 0;
-  const std::int64_t up = ((bits_of(length_m) + (1 << kMantissaBits) - 1) >> kMantissaBits) - base_;
-  return static_cast<std::uint8_t>(std::clamp<std::int64_t>(up, 1, 255));
+std::uint16_t round_up(float length_m) {
+  assert(length_m >= 0 && length_m < 1e30f);
+  return static_cast<std::uint16_t>((bits_of(length_m) + (1 << kDroppedBits) - 1) >> kDroppedBits);
 }
 
-int LengthCode::limit(float length_m) const {
-  if (!(length_m >= 0)) return -1;
-  const std::int64_t down = (bits_of(length_m) >> kMantissaBits) - base_;
-  return static_cast<int>(std::clamp<std::int64_t>(down, 0, 255));
+int round_down(float length_m) {
+  return length_m >= 0 ? bits_of(length_m) >> kDroppedBits : -1;
 }
 
 SquareErrors::SquareErrors(const LodScene& scene, const LodTile& tile, bool between_samples)
@@ -58,17 +52,15 @@ void SquareErrors::fill(const HeightTile& heights, const std::vector<float>& err
     return errors_m[static_cast<std::size_t>(r) * static_cast<std::size_t>(heights.size) +
                     static_cast<std::size_t>(c)];
   };
-  const float largest = *std::max_element(errors_m.begin(), errors_m.end());
-  code_ = LengthCode(largest);
   for (int k = 1; k <= levels_; ++k) {
     const int h = 1 << (k - 1);
     for (int y = 0; y < 1 << (levels_ - k); ++y) {
       for (int x = 0; x < 1 << (levels_ - k); ++x) {
         SquareError& square = squares_[slot(k, x, y)];
         const int c = (2 * x + 1) * h, r = (2 * y + 1) * h;
-        square.centre = code_.round_up(error(c, r));
-        square.middles = {code_.round_up(error(c, r - h)), code_.round_up(error(c + h, r)),
-                          code_.round_up(error(c, r + h)), code_.round_up(error(c - h, r))};
+        square.centre = round_up(error(c, r));
+        square.middles = {round_up(error(c, r - h)), round_up(error(c + h, r)), round_up(error(c, r + h)),
+                          round_up(error(c - h, r))};
         square.below =
             std::max(square.centre, *std::max_element(square.middles.begin(), square.middles.end()));
         for (int q = 0; k > 1 && q < 4; ++q)

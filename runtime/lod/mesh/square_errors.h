@@ -11,28 +11,18 @@
 
 namespace cairn {
 
-/// A length as one byte, rounded up: sixteen steps an octave, so 3 to 6 % too large, over sixteen octaves.
-/// Ordered like the lengths.
-class LengthCode {
- public:
-  /// Of lengths up to this.
-  explicit LengthCode(float largest_m);
-
-  /// The code of a length; 0 only of 0.
-  std::uint8_t round_up(float length_m) const;
-  /// The largest code whose lengths are all at most this; -1 for a negative length.
-  int limit(float length_m) const;
-
- private:
-  std::int64_t base_ = 0;
-};
+/// A length in metres as the upper half of a float, rounded up: 0.4 % too large at most. Ordered like the
+/// lengths; 0 only of 0.
+std::uint16_t round_up(float length_m);
+/// The largest code whose lengths are all at most this; -1 for a negative length.
+int round_down(float length_m);
 
 /// Of a square of a tile's hierarchy: how far samples are, at most, from the triangles that are bisected at
-/// its centre and at the middles of its edges (south, east, north, west), as LengthCode.
+/// its centre and at the middles of its edges (south, east, north, west), rounded up.
 struct SquareError {
-  std::uint8_t below = 0;  ///< the largest of these and of all squares within
-  std::uint8_t centre = 0;
-  std::array<std::uint8_t, 4> middles{};
+  std::uint16_t below = 0;  ///< the largest of these and of all squares within
+  std::uint16_t centre = 0;
+  std::array<std::uint16_t, 4> middles{};
 };
 
 /// A sphere around all of the surface over a square.
@@ -47,13 +37,12 @@ struct SquareSphere {
 class SquareErrors {
  public:
   /// Squares with spheres have at least this many cells.
-  static constexpr int kSphereLevel = 4;
+  static constexpr int kSphereLevel = 3;
 
   SquareErrors(const LodScene& scene, const LodTile& tile, bool between_samples);
 
   bool between_samples() const { return between_samples_; }
   int levels() const { return levels_; }  ///< log2 of the tile's cells
-  const LengthCode& code() const { return code_; }
   const SquareError& at(int k, int x, int y) const { return squares_[slot(k, x, y)]; }
   /// Of the square, or of the smallest one around it that has one.
   const SquareSphere& sphere(int k, int x, int y) const;
@@ -75,7 +64,6 @@ class SquareErrors {
   int levels_;
   bool between_samples_;
   double chord_of_cell_m_;
-  LengthCode code_{1};
   std::array<std::size_t, 16> first_{};
   std::vector<SquareError> squares_;
   std::vector<SquareSphere> spheres_;  ///< by slot: the larger squares come first
