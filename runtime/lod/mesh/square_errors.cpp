@@ -75,6 +75,7 @@ void SquareErrors::place_spheres(const LodScene& scene, const LodTile& tile) {
   const std::int64_t spacing = lattice_width(tile.source.level) / (heights.size - 1);
   const GridPositions positions(south_west_of(tile.source), spacing, heights.size);
   const int least = std::min(kSphereLevel, levels_);
+  middle_ = positions.at(heights.size / 2, heights.size / 2, 0);
   spheres_.resize(slot(least, (1 << (levels_ - least)) - 1, (1 << (levels_ - least)) - 1) + 1);
   std::vector<std::array<double, 2>> ranges(spheres_.size());
   for (int k = least; k <= levels_; ++k) {
@@ -97,27 +98,40 @@ void SquareErrors::place_spheres(const LodScene& scene, const LodTile& tile) {
             high = std::max(high, inner[1]);
           }
         }
-        SquareSphere& sphere = spheres_[slot(k, x, y)];
-        sphere.centre = positions.at(x * s + s / 2, y * s + s / 2, (low + high) / 2);
-        for (int q = 0; q < 4; ++q) {
-          for (const double height : {low, high}) {
-            const glm::dvec3 corner = positions.at((x + (q & 1)) * s, (y + (q >> 1)) * s, height);
-            sphere.radius_m = std::max(sphere.radius_m, glm::length(corner - sphere.centre));
-          }
-        }
-        sphere.radius_m += chord_m(k);
+        spheres_[slot(k, x, y)] = near_sphere(sphere_over(positions, k, x, y, low, high));
       }
     }
   }
 }
 
-const SquareSphere& SquareErrors::sphere(int k, int x, int y) const {
+SquareSphere SquareErrors::sphere_over(const GridPositions& positions, int k, int x, int y, double low_m,
+                                       double high_m) const {
+  const int s = 1 << k;
+  SquareSphere sphere{positions.at(x * s + s / 2, y * s + s / 2, (low_m + high_m) / 2), 0};
+  for (int q = 0; q < 4; ++q) {
+    for (const double height_m : {low_m, high_m}) {
+      const glm::dvec3 corner = positions.at((x + (q & 1)) * s, (y + (q >> 1)) * s, height_m);
+      sphere.radius_m = std::max(sphere.radius_m, glm::length(corner - sphere.centre));
+    }
+  }
+  sphere.radius_m += chord_m(k);
+  return sphere;
+}
+
+SquareErrors::NearSphere SquareErrors::near_sphere(const SquareSphere& sphere) const {
+  const glm::vec3 centre(sphere.centre - middle_);
+  const double lost = glm::length(glm::dvec3(centre) + middle_ - sphere.centre);
+  return {centre, std::nextafter(static_cast<float>(sphere.radius_m + lost), HUGE_VALF)};
+}
+
+SquareSphere SquareErrors::sphere(int k, int x, int y) const {
   const int up = std::max(0, std::min(kSphereLevel, levels_) - k);
-  return spheres_[slot(k + up, x >> up, y >> up)];
+  const NearSphere& near = spheres_[slot(k + up, x >> up, y >> up)];
+  return {middle_ + glm::dvec3(near.centre), static_cast<double>(near.radius_m)};
 }
 
 std::uint64_t SquareErrors::bytes() const {
-  return squares_.size() * sizeof(SquareError) + spheres_.size() * sizeof(SquareSphere);
+  return squares_.size() * sizeof(SquareError) + spheres_.size() * sizeof(NearSphere);
 }
 
 }  // namespace cairn

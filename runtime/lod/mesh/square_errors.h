@@ -7,6 +7,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod_method.h"
 
 namespace cairn {
@@ -37,7 +38,7 @@ struct SquareSphere {
 class SquareErrors {
  public:
   /// Squares with spheres have at least this many cells.
-  static constexpr int kSphereLevel = 3;
+  static constexpr int kSphereLevel = 2;
 
   SquareErrors(const LodScene& scene, const LodTile& tile, bool between_samples);
 
@@ -45,7 +46,7 @@ class SquareErrors {
   int levels() const { return levels_; }  ///< log2 of the tile's cells
   const SquareError& at(int k, int x, int y) const { return squares_[slot(k, x, y)]; }
   /// Of the square, or of the smallest one around it that has one.
-  const SquareSphere& sphere(int k, int x, int y) const;
+  SquareSphere sphere(int k, int x, int y) const;
 
   /// How far a flat triangle bisected at the centre of a square of 2^k cells is from the curved Earth, at
   /// most; half of it where it is bisected at a middle. See chord_of_cell_m().
@@ -54,19 +55,29 @@ class SquareErrors {
   std::uint64_t bytes() const;
 
  private:
+  /// From the middle of the tile: single precision is enough.
+  struct NearSphere {
+    glm::vec3 centre;
+    float radius_m;
+  };
+
   std::size_t slot(int k, int x, int y) const {
     return first_[static_cast<std::size_t>(k)] + (static_cast<std::size_t>(y) << (levels_ - k)) +
            static_cast<std::size_t>(x);
   }
   void fill(const HeightTile& heights, const std::vector<float>& errors_m);
   void place_spheres(const LodScene& scene, const LodTile& tile);
+  SquareSphere sphere_over(const GridPositions& positions, int k, int x, int y, double low_m,
+                           double high_m) const;
+  NearSphere near_sphere(const SquareSphere& sphere) const;
 
   int levels_;
   bool between_samples_;
   double chord_of_cell_m_;
   std::array<std::size_t, 16> first_{};
   std::vector<SquareError> squares_;
-  std::vector<SquareSphere> spheres_;  ///< by slot: the larger squares come first
+  glm::dvec3 middle_{0};
+  std::vector<NearSphere> spheres_;  ///< by slot: the larger squares come first
 };
 
 }  // namespace cairn

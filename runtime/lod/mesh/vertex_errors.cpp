@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "format/bisection_errors.h"
 #include "format/rqt_steps.h"
@@ -11,72 +12,46 @@
 namespace cairn {
 namespace {
 
-/// A quarter of the largest twist of the cells along both diagonals of every square, and what two triangles
-/// bisected at each vertex cut: by vertex, row-major.
-class Twists {
- public:
-  Twists(const HeightTile& heights, double quantum_m, bool rising)
-      : size_(heights.size), rising_(rising), of_vertex_(heights.samples.size()) {
-    const int cells = size_ - 1;
-    rising_m_.resize(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
-    for (int r = 0; r < cells; ++r) {
-      for (int c = 0; c < cells; ++c) {
-        const double twist = static_cast<double>(heights.at(c, r)) - heights.at(c + 1, r) -
-                             heights.at(c, r + 1) + heights.at(c + 1, r + 1);
-        rising_m_[static_cast<std::size_t>(r) * static_cast<std::size_t>(cells) +
-                  static_cast<std::size_t>(c)] = static_cast<float>(std::abs(twist) * quantum_m / 4);
-      }
-    }
-    falling_m_ = rising_m_;
-  }
+/// How far a straight line is from the bilinear surface over the diagonal of one cell, at most: it is off by
+/// `from` and `to` at the ends, and by d(t) = from + (to − from)t + bend·t(1−t) between them.
+float off_diagonal(float from, float to, float bend) {
+  const float ends = std::max(std::abs(from), std::abs(to));
+  const float rise = to - from;
+  if (std::abs(rise) >= std::abs(bend)) return ends;
+  const float t = (1 + rise / bend) / 2;
+  return std::max(ends, std::abs(from + rise * t + bend * t * (1 - t)));
+}
 
-  std::vector<float> run() {
-    for (int s = 2; s < size_; s *= 2) level(s);
-    return std::move(of_vertex_);
+/// The tile's bilinear surface along diagonals of its squares, in quanta.
+class Diagonals {
+ public:
+  Diagonals(const HeightTile& heights, bool rising) : heights_(heights), rising_(rising) {}
+
+  /// Of the square of s cells at (column, row).
+  float error(int column, int row, int s) const {
+    const bool rises = diagonal_rises(rising_, heights_.size, column, row, s);
+    const int first = rises ? row : row + s, step = rises ? 1 : -1;
+    const float from = height(column, first),
+                slope = (height(column + s, first + step * s) - from) / static_cast<float>(s);
+    float worst = 0, before = 0;
+    for (int i = 0; i < s; ++i) {
+      const int c = column + i, r = first + step * i;
+      const float after = height(c + 1, r + step) - (from + slope * static_cast<float>(i + 1));
+      // −twist where the diagonal rises, the twist where it falls.
+      const float bend = height(c + 1, r) + height(c, r + step) - height(c, r) - height(c + 1, r + step);
+      worst = std::max(worst, off_diagonal(before, after, bend));
+      before = after;
+    }
+    return worst;
   }
 
  private:
-  float& vertex(int c, int r) {
-    return of_vertex_[static_cast<std::size_t>(r) * static_cast<std::size_t>(size_) +
-                      static_cast<std::size_t>(c)];
+  // From the first sample, so that single precision holds what differs.
+  float height(int c, int r) const {
+    return static_cast<float>(std::int64_t{heights_.at(c, r)} - heights_.samples.front());
   }
-
-  // rising_m_ and falling_m_ hold the diagonals of the squares of s/2 cells, and then those of s.
-  void level(int s) {
-    const int h = s / 2, count = (size_ - 1) / s;
-    std::vector<float> rising(static_cast<std::size_t>(count) * static_cast<std::size_t>(count));
-    std::vector<float> falling(rising.size());
-    for (int y = 0; y < count; ++y) {
-      for (int x = 0; x < count; ++x) {
-        const auto of = [&](const std::vector<float>& diagonals, int i, int j) {
-          return diagonals[static_cast<std::size_t>(2 * y + j) * static_cast<std::size_t>(2 * count) +
-                           static_cast<std::size_t>(2 * x + i)];
-        };
-        const float sw = of(rising_m_, 0, 0), ne = of(rising_m_, 1, 1);
-        const float se = of(falling_m_, 1, 0), nw = of(falling_m_, 0, 1);
-        const std::size_t i =
-            static_cast<std::size_t>(y) * static_cast<std::size_t>(count) + static_cast<std::size_t>(x);
-        rising[i] = std::max(sw, ne);
-        falling[i] = std::max(se, nw);
-        const int c = x * s, r = y * s;
-        const auto note = [&](int column, int row, float twist) {
-          vertex(column, row) = std::max(vertex(column, row), twist);
-        };
-        note(c + h, r, std::max(sw, se));
-        note(c + s, r + h, std::max(se, ne));
-        note(c + h, r + s, std::max(nw, ne));
-        note(c, r + h, std::max(sw, nw));
-        note(c + h, r + h, diagonal_rises(rising_, size_, c, r, s) ? rising[i] : falling[i]);
-      }
-    }
-    rising_m_ = std::move(rising);
-    falling_m_ = std::move(falling);
-  }
-
-  int size_;
+  const HeightTile& heights_;
   bool rising_;
-  std::vector<float> rising_m_, falling_m_;
-  std::vector<float> of_vertex_;
 };
 
 }  // namespace
@@ -87,8 +62,16 @@ std::vector<float> vertex_errors_m(const HeightTile& heights, const TileId& id, 
   std::vector<float> errors = bisection_errors(heights, rising);
   for (float& e : errors) e *= static_cast<float>(quantum_m);
   if (!between_samples) return errors;
-  const std::vector<float> twists = Twists(heights, quantum_m, rising).run();
-  for (std::size_t i = 0; i < errors.size(); ++i) errors[i] += twists[i];
+  const Diagonals diagonals(heights, rising);
+  for (int s = 2; s < heights.size; s *= 2) {
+    for (int row = 0; row + s < heights.size; row += s) {
+      for (int column = 0; column + s < heights.size; column += s) {
+        float& error = errors[static_cast<std::size_t>(row + s / 2) * static_cast<std::size_t>(heights.size) +
+                              static_cast<std::size_t>(column + s / 2)];
+        error = std::max(error, diagonals.error(column, row, s) * static_cast<float>(quantum_m));
+      }
+    }
+  }
   return errors;
 }
 

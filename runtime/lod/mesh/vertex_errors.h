@@ -8,9 +8,10 @@
 namespace cairn {
 
 /// bisection_errors() in metres, of the tile `id`. `between_samples`: where the tile stands for finer ones,
-/// whose samples lie between its own, a quarter of the largest twist (sw − se − nw + ne) of the cells that
-/// the triangles' diagonals cut is added. In those cells alone a triangle differs from the tile's bilinear
-/// surface, of which the tile's own error speaks, by more than at the samples.
+/// whose samples lie between its own, a triangle is also held against the tile's bilinear surface, of which
+/// the tile's own error speaks. It differs from that by more than at the samples only in the cells that its
+/// diagonal edges cut: such an edge counts at the vertex that bisects it, the centre of its square. What the
+/// diagonal of a single cell is off by, a quarter of its twist, no vertex can mend, and is left out.
 std::vector<float> vertex_errors_m(const HeightTile& heights, const TileId& id, double quantum_m,
                                    bool between_samples);
 

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "format/status.h"
+#include "runtime/lab/lab_terrain.h"
+#include "runtime/view_state.h"
+
+namespace cairn {
+
+/// A triangulated irregular network of one picture.
+struct GreedyTin {
+  std::uint64_t triangles = 0;  ///< with a sample of the picture inside or at a corner
+  std::uint64_t vertices = 0;
+  std::uint64_t samples = 0;  ///< in the picture
+  double max_px = 0;          ///< the largest screen error that is left
+};
+
+/// What a picture needs at least, about: greedy insertion (Garland & Heckbert 1995, "Fast polygonal
+/// approximation of terrains and height fields", algorithm III) over all finest samples in the picture, the
+/// sample with the largest screen error first, until none is above the tolerance. Screen error is
+/// FinestPicture's: between a sample and the plane of its triangle at the same longitude and latitude, in
+/// geocentric coordinates. Not a true lower bound, but free of all that a method has to keep: levels, tiles,
+/// borders, time. Triangles are Delaunay in longitude and latitude.
+///
+/// Takes seconds and 100 bytes a sample in the picture. Ends early at `most_vertices`; max_px tells.
+Result<GreedyTin> greedy_tin(LabTerrain& terrain, const ViewState& view, double tolerance_px,
+                             std::size_t most_vertices = 2'000'000);
+
+}  // namespace cairn
