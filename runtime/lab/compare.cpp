@@ -24,11 +24,15 @@ std::vector<Flyer> flyers_of(const CompareSpec& spec) {
   std::vector<Flyer> flyers;
   for (const double tolerance_px : spec.tolerances_px) {
     for (const Contender& contender : spec.contenders) {
-      if (contender.method->name == "full" && tolerance_px < largest) continue;
+      if (contender.method == lod_method("full") && tolerance_px < largest) continue;
       flyers.push_back({&contender, tolerance_px, contender.method->create(contender.options), {}, false});
     }
   }
   return flyers;
+}
+
+bool is_full(const Flyer& flyer) {
+  return flyer.contender->method == lod_method("full");
 }
 
 void count_mesh(const LodMesh& mesh, FrameRecord& record) {
@@ -85,7 +89,7 @@ class Race {
     const SceneUse use = use_of(terrain_, *scene, view);
     std::vector<TileId>& before = sources_before_[tolerance_px];
     for (Flyer& flyer : flyers_) {
-      if (flyer.tolerance_px != tolerance_px) continue;
+      if (flyer.tolerance_px != tolerance_px || (is_full(flyer) && frame > 0)) continue;
       FrameRecord record;
       record.flight = path_.name;
       record.frame = frame;
@@ -124,7 +128,7 @@ class Race {
   /// Whole maps are large, and `full` makes the same grids everywhere.
   bool checks_faults(const Flyer& flyer, std::size_t frame) const {
     const double largest = *std::max_element(spec_.tolerances_px.begin(), spec_.tolerances_px.end());
-    return frame == 0 && flyer.tolerance_px == largest && flyer.contender->method->name != "full";
+    return frame == 0 && flyer.tolerance_px == largest && !is_full(flyer);
   }
 
   LabTerrain& terrain_;

@@ -65,8 +65,8 @@ struct FrameRecord {
 
 using TakeRecord = std::function<void(const FrameRecord&)>;
 
-/// Flies the path with every contender at every tolerance; `full` at the largest only, since it takes no
-/// notice of any. Records come frame by frame.
+/// Flies the path with every contender at every tolerance; `full`, which is large and takes no notice of any,
+/// at the largest and in the first frame only. Records come frame by frame.
 Status compare(LabTerrain& terrain, const CameraPath& path, const CompareSpec& spec, const TakeRecord& take);
 
 }  // namespace cairn
