@@ -47,7 +47,7 @@ constexpr Column kColumns[] = {
     {"pop_px", [](const FrameRecord& r) { return r.joins ? r.error.max_pop_px : -1; }},
     {"keeps", [](const FrameRecord& r) { return number(r.keeps_tolerance); }},
     {"tiles", [](const FrameRecord& r) { return number(r.tiles); }},
-    {"new_tiles", [](const FrameRecord& r) { return number(r.new_tiles); }},
+    {"new_tiles", [](const FrameRecord& r) { return r.frame > 0 ? number(r.new_tiles) : -1; }},
     {"useful_tiles", [](const FrameRecord& r) { return number(r.useful_tiles); }},
     {"resident_bytes", [](const FrameRecord& r) { return number(r.resident_bytes); }},
     {"loaded_bytes", [](const FrameRecord& r) { return number(r.loaded_bytes); }},
