@@ -1,9 +1,11 @@
 #include "runtime/viewer/headless.h"
 
+#include <chrono>
 #include <fstream>
 #include <iomanip>
 #include <ostream>
 #include <sstream>
+#include <thread>
 
 #include "runtime/frame_stats.h"
 #include "runtime/gl/headless_context.h"
@@ -43,9 +45,11 @@ class FlightRun {
   Status run(gl::FrameLook look, ViewState view, std::ostream& messages) {
     const Status opened = open_outputs();
     if (!opened) return opened;
-    // What came before the flight is not of it: tiles waited for, and the first frame, which uploads them all.
+    // What came before the flight is not of it: tiles waited for, and the first frame, which uploads them
+    // all.
     scene_.load_all(at(view, 0));
     scene_.draw_list(at(view, 0), look, target_.framebuffer());
+    began_ = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < flight_.frame_count(); ++i) {
       view = at(view, i);
       look.to_sun = sun_direction(view.eye, options_.hour);
@@ -84,8 +88,13 @@ class FlightRun {
 
   Status frame(std::size_t index, const ViewState& view, const gl::FrameLook& look) {
     const bool keeps = !options_.frames.empty() || video_;
-    // A picture waits for what it shows; a measured frame, like a window's, does not.
-    if (keeps) scene_.load_all(view);
+    // A picture waits for what it shows; a measured frame comes when it is due, like a window's.
+    if (keeps) {
+      scene_.load_all(view);
+    } else {
+      std::this_thread::sleep_until(
+          began_ + std::chrono::duration<double>(static_cast<double>(index) / flight_.frames_per_second));
+    }
     const double begin = gl::thread_cpu_ms();
     scene_.update(view, 1 / flight_.frames_per_second);
     const double updated = gl::thread_cpu_ms();
@@ -111,6 +120,7 @@ class FlightRun {
   const gl::FrameTarget& target_;
   std::ofstream stats_;
   std::optional<VideoPipe> video_;
+  std::chrono::steady_clock::time_point began_;
 };
 
 }  // namespace
