@@ -1,0 +1,15 @@
+#pragma once
+
+#include "runtime/viewer/camera_controls.h"
+
+namespace cairn::viewer {
+
+/// Keys as GLFW names them, of the frame that ImGui has begun; none while the user types into the panel.
+bool key_pressed(int key);  ///< went down in this frame
+bool key_held(int key);
+bool shift_held();
+
+/// What keys, mouse and game pad say about the camera. Call between ImGui's NewFrame and Render.
+ControlInput read_controls(double dt_s);
+
+}  // namespace cairn::viewer
