@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Opens a window of cairn view on a display of its own, presses keys, leaves pictures in FOLDER:
+# Opens a window of cairn view on a display of its own, presses keys, leaves pictures in FOLDER, beside headless.png:
 # window_session.sh CAIRN PACK FOLDER CAMERA. Exits 77 where Xvfb or xdotool are missing.
 set -euo pipefail
 command -v Xvfb >/dev/null && command -v xdotool >/dev/null || exit 77
@@ -19,24 +19,24 @@ for _ in $(seq 300); do window=$(xdotool search --name '^cairn$' 2>/dev/null | h
 [ -n "$window" ]
 xdotool windowfocus "$window"
 
-# press KEY UNTIL_THIS_FILE_EXISTS
-press() {
-  for _ in $(seq 100); do
-    xdotool keydown "$1"; sleep 0.3; xdotool keyup "$1"; sleep 0.3
-    [ -z "${2-}" ] || [ -s "$2" ] && return 0
-  done
-  return 1
+press() { xdotool keydown "$1"; sleep 0.3; xdotool keyup "$1"; sleep 0.3; }
+
+# shot NAME: presses F12 and waits for the picture.
+pictures=0
+shot() {
+  pictures=$((pictures + 1))
+  press F12
+  for _ in $(seq 300); do [ -s cairn-$pictures.png ] && break; sleep 0.1; done
+  sleep 0.2
+  mv cairn-$pictures.png "$1"
 }
-sleep 3  # the tiles
-press F12 cairn-1.png
-press F4; sleep 0.5
-press F12 cairn-2.png
+# Until all tiles are there; a test on a busy machine has to wait.
+for _ in $(seq 60); do shot first.png; cmp -s first.png headless.png && break; done
+press F4; shot wireframe.png
 xdotool windowsize "$window" 1 1; sleep 1
 xdotool windowsize "$window" 320 240; sleep 1
-press F4; sleep 0.5
-press F12 cairn-3.png
-press w; sleep 0.5
-press F12 cairn-4.png
+press F4; shot again.png
+press w; shot ahead.png
 xdotool keydown Escape; sleep 1; xdotool keyup Escape
 for _ in $(seq 100); do kill -0 $viewer 2>/dev/null || break; sleep 0.1; done
 wait $viewer
