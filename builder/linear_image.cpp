@@ -17,7 +17,7 @@ LinearTexel mean_of(const LinearTexel& a, const LinearTexel& b) {
 
 LinearImage halved(const LinearImage& image) {
   assert(image.columns % 2 == 0 && image.rows % 2 == 0);
-  LinearImage half(image.columns / 2, image.rows / 2);
+  LinearImage half = LinearImage::unset(image.columns / 2, image.rows / 2);
   for (int r = 0; r < half.rows; ++r)
     texel_rows().halve(image.row(2 * r), image.row(2 * r + 1), static_cast<std::size_t>(half.columns),
                        half.row(r));
@@ -49,17 +49,19 @@ bool is_opaque(const LinearImage& image) {
   return all == 65535;
 }
 
-std::vector<std::uint8_t> to_srgb(const LinearImage& image) {
+UnsetVector<std::uint8_t> to_srgb(const LinearImage& image) {
   const auto& codes = srgb_of_linear();
-  std::vector<std::uint8_t> rgba(4 * image.texels.size());
+  UnsetVector<std::uint8_t> rgba(4 * image.texels.size());
   std::uint8_t* out = rgba.data();
-  for (const LinearTexel& texel : image.texels) {
+  for (LinearTexel texel : image.texels) {
     const std::uint32_t alpha = texel[3];
-    const auto straight = [&](std::uint32_t value) {
-      return alpha == 65535 || alpha == 0 ? value : std::min(65535u, (value * 65535u + alpha / 2) / alpha);
-    };
-    const std::uint32_t packed = codes[straight(texel[0])] | codes[straight(texel[1])] << 8 |
-                                 codes[straight(texel[2])] << 16 | (alpha + 128) / 257 << 24;
+    if (alpha != 65535 && alpha != 0) {
+      for (std::size_t i = 0; i < 3; ++i)
+        texel[i] = static_cast<std::uint16_t>(std::min(65535u, (texel[i] * 65535u + alpha / 2) / alpha));
+    }
+    const std::uint32_t packed =
+        static_cast<std::uint32_t>(codes[texel[0]] | codes[texel[1]] << 8 | codes[texel[2]] << 16) |
+        (alpha + 128) / 257 << 24;
     std::memcpy(out, &packed, sizeof packed);
     out += 4;
   }

@@ -3,7 +3,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+
+#include "builder/unset_vector.h"
 
 namespace cairn {
 
@@ -15,13 +16,22 @@ using LinearTexel = std::array<std::uint16_t, 4>;
 struct LinearImage {
   int columns = 0;
   int rows = 0;
-  std::vector<LinearTexel> texels;
+  UnsetVector<LinearTexel> texels;
 
   LinearImage() = default;
+  /// Empty all over.
   LinearImage(int columns_, int rows_)
       : columns(columns_),
         rows(rows_),
-        texels(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
+        texels(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), LinearTexel{}) {}
+  /// Without values: every texel is to be written.
+  static LinearImage unset(int columns, int rows) {
+    LinearImage image;
+    image.columns = columns;
+    image.rows = rows;
+    image.texels.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    return image;
+  }
 
   const LinearTexel* row(int r) const {
     return texels.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(columns);
@@ -46,6 +56,6 @@ bool is_empty(const LinearImage& image);
 bool is_opaque(const LinearImage& image);
 
 /// R, G, B in sRGB and alpha, 4 bytes a texel, not premultiplied; transparent texels are black.
-std::vector<std::uint8_t> to_srgb(const LinearImage& image);
+UnsetVector<std::uint8_t> to_srgb(const LinearImage& image);
 
 }  // namespace cairn

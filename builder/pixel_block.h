@@ -2,9 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "builder/raster_source.h"
+#include "builder/unset_vector.h"
 #include "format/status.h"
 
 namespace cairn {
@@ -15,7 +15,7 @@ struct PixelBlock {
   std::int64_t row = 0;
   std::int64_t columns = 0;
   std::int64_t rows = 0;
-  std::vector<std::uint8_t> rgba;
+  UnsetVector<std::uint8_t> rgba;
 
   /// REQUIRES: the pixel lies in the block.
   const std::uint8_t* at(std::int64_t c, std::int64_t r) const {

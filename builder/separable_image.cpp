@@ -72,7 +72,8 @@ class FilteredRows {
 };
 
 LinearImage filter_block(const PixelBlock& block, const PixelTaps& columns, const PixelTaps& rows) {
-  LinearImage image(static_cast<int>(columns.first.size()), static_cast<int>(rows.first.size()));
+  LinearImage image =
+      LinearImage::unset(static_cast<int>(columns.first.size()), static_cast<int>(rows.first.size()));
   FilteredRows filtered(block, columns, rows.count);
   std::vector<const WideTexel*> around(static_cast<std::size_t>(rows.count));
   for (int r = 0; r < image.rows; ++r) {

@@ -71,9 +71,9 @@ void print_accuracy(const Json& info) {
       number(a, "p50_m"), number(a, "p95_m"), number(a, "p99_m"));
 }
 
-void print_sources(const Json& sources) {
-  if (!sources.is_array()) return;
-  fmt::print("sources        {}\n", sources.size());
+void print_sources(const char* kind, const Json& sources) {
+  if (!sources.is_array() || sources.empty()) return;
+  fmt::print("{:<14} {}\n", kind, sources.size());
   for (const Json& source : sources) {
     const bool named = source.is_object() && source.contains("name") && source.at("name").is_string();
     fmt::print("  {}", named ? source.at("name").get<std::string>() : "?");
@@ -99,7 +99,9 @@ void print_text(const PackReader& pack, const Json& info) {
   }
   if (info.contains("imagery")) print_imagery(info["imagery"]);
   if (info.contains("rqt")) print_rqt(info["rqt"]);
-  print_sources(info["sources"]);
+  print_sources("sources", info["sources"]);
+  if (info.contains("imagery") && info["imagery"].contains("sources"))
+    print_sources("images", info["imagery"]["sources"]);
 }
 
 int run_info(const InfoOptions& options) {
