@@ -181,7 +181,11 @@ void Mosaic::drop_losing_posts(const SampleWindow& window, std::span<const std::
 // everywhere.
 Result<std::vector<Mosaic::Layer>> Mosaic::sample_layers(const SampleWindow& window, int level) const {
   std::vector<Layer> layers;
-  for (const std::size_t g : groups_touching(bounds_of(window))) {
+  // What overhangs the world's end lies, wrapped, over groups that have nothing to do with the tile.
+  GeoBounds in_world = bounds_of(window);
+  in_world.east = std::min(in_world.east, 180.0);
+  in_world.north = std::min(in_world.north, 90.0);
+  for (const std::size_t g : groups_touching(in_world)) {
     const int levels = level - groups_[g]->native_level();
     assert(levels >= 0);
     auto samples = groups_[g]->sample(coarser_window(window, levels));
