@@ -23,12 +23,6 @@ Screen::Screen(const ViewState& view) : camera_(camera_frame(view)) {
   corner_cosine_ = 1 / std::hypot(1.0, half_width, half_height);
 }
 
-double Screen::bound_px(double error_m, double distance_m) const {
-  if (error_m <= 0) return 0;
-  const double room = distance_m * corner_cosine_ - error_m;
-  return room > 0 ? focal_px_ * error_m / (corner_cosine_ * room) : kInfinite;
-}
-
 double Screen::bound_px(double error_m, const glm::dvec3& centre, double radius_m) const {
   if (error_m <= 0) return 0;
   const glm::dvec3 to = centre - camera_.position;

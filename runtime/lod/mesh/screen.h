@@ -18,13 +18,10 @@ class Screen {
   const CameraFrame& camera() const { return camera_; }
   double pixels_per_radian() const { return focal_px_; }  ///< in the middle: picture height / (2 tan(fov/2))
 
-  /// How far, in pixels, any point in the picture can move that lies this far from the eye, or farther, and
-  /// is displaced by error_m in any direction. The distance along the view is at least r·cos θ, θ the angle
-  /// to the picture's corner, and a displacement ε moves the projection by f·ε·r/(z(z-ε)) at most. Infinite
-  /// where the point may come beside the eye.
-  double bound_px(double error_m, double distance_m) const;
-
-  /// The same for points within a sphere: sharper, because it knows where in the picture that is.
+  /// How far, in pixels, any point of a sphere that is in the picture can move if it is displaced by error_m
+  /// in any direction: by f·ε·r/(z(z-ε)) at most, r the distance from the eye, z that along the view, which
+  /// is at least r·cos θ, θ the angle to the picture's corner. Infinite where a point may come beside the
+  /// eye.
   double bound_px(double error_m, const glm::dvec3& centre, double radius_m) const;
 
  private:
