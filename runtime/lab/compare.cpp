@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "runtime/lab/greedy_tin.h"
 #include "runtime/lab/scene_use.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 
@@ -90,15 +91,35 @@ class Race {
     std::vector<TileId>& before = sources_before_[tolerance_px];
     for (Flyer& flyer : flyers_) {
       if (flyer.tolerance_px != tolerance_px || (is_full(flyer) && frame > 0)) continue;
-      FrameRecord record;
-      record.flight = path_.name;
-      record.frame = frame;
-      record.pitch_deg = view.pitch_deg;
+      FrameRecord record = new_record(frame, view);
       count_use(use, before, record);
       fly_one(*scene, view, picture, flyer, record);
       take_(record);
     }
     before = use.sources;
+    return spec_.with_bound ? take_bound(frame, view, tolerance_px) : Status{};
+  }
+
+  FrameRecord new_record(std::size_t frame, const ViewState& view) const {
+    FrameRecord record;
+    record.flight = path_.name;
+    record.frame = frame;
+    record.pitch_deg = view.pitch_deg;
+    return record;
+  }
+
+  Status take_bound(std::size_t frame, const ViewState& view, double tolerance_px) {
+    const auto tin = greedy_tin(terrain_, view, tolerance_px);
+    if (!tin) return tin.error();
+    FrameRecord record = new_record(frame, view);
+    record.method = "greedy-tin";
+    record.tolerance_px = tolerance_px;
+    record.triangles = tin->triangles;
+    record.vertices = tin->vertices;
+    record.error.max_px = tin->max_px;
+    record.error.samples = tin->samples;
+    record.keeps_tolerance = tin->max_px <= tolerance_px;
+    take_(record);
     return {};
   }
 

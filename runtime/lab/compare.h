@@ -28,7 +28,8 @@ struct CompareSpec {
   SceneRules tiles;  ///< refine_px as a share of the tolerance
   int width_px = 1920;
   int height_px = 1080;
-  int threads = 2;  ///< of the measure; methods run on one
+  int threads = 2;          ///< of the measure; methods run on one
+  bool with_bound = false;  ///< also a record "greedy-tin" a frame and tolerance: about the fewest triangles
 };
 
 /// One method at one tolerance in one frame.

@@ -30,6 +30,7 @@ struct Options {
   std::string tiles = "error";
   int threads = 0;
   bool no_charts = false;
+  bool bound = false;
   LodOptions lod;
 
   std::string camera;
@@ -64,6 +65,8 @@ void declare_compare(CLI::App& app, Options& o) {
   app.add_option("--frames", o.frames, "of a flight")->check(CLI::Range(2, 100000));
   app.add_option("--threads", o.threads, "of the measure; 0 for all")->check(CLI::Range(0, 1024));
   app.add_option("--out", o.out, "folder for the CSV, the JSON and the page")->required();
+  app.add_flag("--bound", o.bound,
+               "also the triangles of a greedy TIN of each picture, about the fewest; takes seconds a frame");
   app.add_flag("--no-charts", o.no_charts, "no page: the charts need python3-matplotlib");
 }
 
