@@ -13,7 +13,14 @@
 // Promise: every finest sample in the picture is within τ of its place on the screen, where the tiles' own
 // error takes at most three quarters of τ; where it takes more, within that and a quarter of τ. Along borders
 // where a finer tile has vertices that this one has no samples for, conform() splits triangles of one cell:
-// there the tile's error counts twice.
+// there the tile's error counts twice. Where a tile stands for finer ones, its cells are drawn as two
+// triangles: the quarter of a cell's twist by which these differ from its bilinear surface is not mended.
+//
+// Measured beside it was the same hierarchy with errors and spheres grown towards the coarse, which is the
+// method `soar`: about as many triangles where the eye looks ahead, twice as many where it looks down, and
+// twice the CPU time, because each vertex is projected. Here a square whose scale hardly changes is projected
+// once for all within it, and what follows compares whole numbers. Spheres of 8 and 16 cells instead of 4
+// took more triangles for about the same time.
 
 #include <array>
 #include <memory>

@@ -15,8 +15,8 @@ namespace {
 constexpr double kNormalTilt = 0.0034;
 
 /// A sphere is small where its radius is at most this share of its depth: what is asked for its nearest point
-/// is an eighth more than for its middle, then.
-constexpr double kSmall = 1.0 / 32;
+/// is a thirtieth more than for its middle, then.
+constexpr double kSmall = 1.0 / 64;
 
 }  // namespace
 
