@@ -148,8 +148,8 @@ Result<CompareSpec> spec_of(const Options& o) {
   const auto size = viewer::parse_size(o.size);
   if (!size) return size.error();
   const int all = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  return CompareSpec{std::move(*contenders), std::move(*tolerances),         rules_of(o), size->width,
-                     size->height,           o.threads > 0 ? o.threads : all};
+  return CompareSpec{std::move(*contenders), std::move(*tolerances),          rules_of(o), size->width,
+                     size->height,           o.threads > 0 ? o.threads : all, o.bound};
 }
 
 Status write_text(const std::filesystem::path& path, const std::string& text) {
