@@ -78,6 +78,17 @@ TEST_CASE("bake prints a report, and --report and --json give the promised keys"
   CHECK(wrong.exit_code == 3);
 }
 
+TEST_CASE("the sample folder bakes: a fault in Tennessee in the whole Earth, five levels apart") {
+  const test::TempDir dir;
+  const std::string pack = (dir.path() / "a.cairn").string();
+  const Ran ran = run_cairn({"bake", test::sample_dem().string(), "-o", pack});
+  INFO(ran.err);
+  REQUIRE(ran.exit_code == 0);
+  const Ran verified = run_cairn({"verify", pack, "--against", test::sample_dem().string()});
+  INFO(verified.out);
+  CHECK(verified.exit_code == 0);
+}
+
 TEST_CASE("a dry run says what would be done and writes nothing") {
   const test::TempDir dir;
   const Ran ran =
