@@ -2,6 +2,8 @@
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <span>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -58,7 +60,8 @@ bool same_residuals(const Geometry& g, const Residuals& a, const Residuals& b) {
 
 CodedSamples coded(const Streams& streams, std::vector<std::byte>& words) {
   words.resize(2 * streams.words.size() + kReadableAfterWords);
-  std::memcpy(words.data(), streams.words.data(), 2 * streams.words.size());
+  const auto bytes = std::as_bytes(std::span(streams.words));
+  std::copy(bytes.begin(), bytes.end(), words.begin());
   return {streams.states, words.data(), streams.words.size(),
           reinterpret_cast<const std::byte*>(streams.escapes.data()), streams.escapes.size()};
 }
