@@ -12,6 +12,20 @@
 
 namespace cairn {
 
+/// TBB orders a pipeline's filters. This says so once more in terms that ThreadSanitizer sees, which knows
+/// nothing of TBB: what one turn did is before whatever a later turn does.
+class OrderedTurn {
+ public:
+  explicit OrderedTurn(std::atomic<std::size_t>& order) : order_(order) { step(); }
+  ~OrderedTurn() { step(); }
+  OrderedTurn(const OrderedTurn&) = delete;
+  OrderedTurn& operator=(const OrderedTurn&) = delete;
+
+ private:
+  void step() { order_.fetch_add(1, std::memory_order_acq_rel); }
+  std::atomic<std::size_t>& order_;
+};
+
 /// A bounded pipeline: `work(i)` runs for i = first … count-1 on all threads of the caller's arena, `sink(i,
 /// result)` takes the results one by one in the order of i. At most `in_flight` results exist at a time. Ends
 /// at the first error, in the order of i, whichever thread came first.
@@ -25,43 +39,35 @@ Status run_in_order(std::size_t first, std::size_t count, std::size_t in_flight,
   };
   std::size_t next = first;
   std::atomic<bool> stopped = false;
-  // TBB orders the filters. This says so once more in terms that ThreadSanitizer sees, which knows nothing of
-  // TBB: what a filter did is before whatever a later one does, and before the end.
   std::atomic<std::size_t> order = 0;
-  const auto step = [&] { order.fetch_add(1, std::memory_order_acq_rel); };
+  const OrderedTurn whole(order);
   Status outcome;
   tbb::parallel_pipeline(
       in_flight,
       tbb::make_filter<void, std::shared_ptr<Item>>(
           tbb::filter_mode::serial_in_order,
           [&](tbb::flow_control& control) {
-            step();
+            const OrderedTurn turn(order);
             if (next >= count || stopped) {
               control.stop();
               return std::shared_ptr<Item>();
             }
-            auto item = std::make_shared<Item>(Item{next++, std::nullopt});
-            step();
-            return item;
+            return std::make_shared<Item>(Item{next++, std::nullopt});
           }) &
           tbb::make_filter<std::shared_ptr<Item>, std::shared_ptr<Item>>(tbb::filter_mode::parallel,
                                                                          [&](std::shared_ptr<Item> item) {
-                                                                           step();
+                                                                           const OrderedTurn turn(order);
                                                                            item->result = work(item->index);
-                                                                           step();
                                                                            return item;
                                                                          }) &
           tbb::make_filter<std::shared_ptr<Item>, void>(
               tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Item>& item) {
-                step();
-                if (outcome.ok()) {
-                  outcome = item->result->ok() ? sink(item->index, std::move(item->result->value()))
-                                               : Status(item->result->error());
-                  if (!outcome.ok()) stopped = true;
-                }
-                step();
+                const OrderedTurn turn(order);
+                if (!outcome.ok()) return;
+                outcome = item->result->ok() ? sink(item->index, std::move(item->result->value()))
+                                             : Status(item->result->error());
+                if (!outcome.ok()) stopped = true;
               }));
-  step();
   return outcome;
 }
 
