@@ -12,7 +12,7 @@ TileTree::LeafLevel leaf_level_in(const Mosaic& mosaic, const std::optional<GeoB
   Footprint wanted;
   wanted.add(*region);
   return [&mosaic, wanted](const TileId& id) {
-    return wanted.overlaps(tile_bounds_in_world(id)) ? mosaic.leaf_level(id) : std::nullopt;
+    return wanted.overlaps(without_overhang(tile_bounds(id))) ? mosaic.leaf_level(id) : std::nullopt;
   };
 }
 

@@ -181,7 +181,8 @@ int ImageryMosaic::finest_level() const {
 std::optional<int> ImageryMosaic::native_level(const TileId& id) const {
   std::optional<int> finest;
   for (const Image& image : images_) {
-    if (image.outline.overlaps(tile_bounds_in_world(id))) finest = std::max(finest.value_or(kMinLevel), image.level);
+    if (image.outline.overlaps(without_overhang(tile_bounds(id))))
+      finest = std::max(finest.value_or(kMinLevel), image.level);
   }
   return finest;
 }

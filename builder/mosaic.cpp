@@ -101,13 +101,13 @@ bool Mosaic::posts_are_samples() const {
 }
 
 bool Mosaic::covers(const TileId& id) const {
-  const GeoBounds bounds = tile_bounds_in_world(id);
+  const GeoBounds bounds = without_overhang(tile_bounds(id));
   return std::any_of(groups_.begin(), groups_.end(),
                      [&](const auto& g) { return g->footprint().overlaps(bounds); });
 }
 
 bool Mosaic::touches(const TileId& id) const {
-  const GeoBounds bounds = tile_bounds_in_world(id);
+  const GeoBounds bounds = without_overhang(tile_bounds(id));
   return std::any_of(groups_.begin(), groups_.end(),
                      [&](const auto& g) { return g->footprint().overlaps(bounds, kTouch); });
 }
@@ -125,7 +125,7 @@ std::vector<std::size_t> Mosaic::groups_touching(const GeoBounds& bounds) const 
 std::optional<int> Mosaic::leaf_level(const TileId& id) const {
   if (!covers(id)) return std::nullopt;
   int finest = kMinLevel;
-  for (const std::size_t g : groups_touching(tile_bounds_in_world(id)))
+  for (const std::size_t g : groups_touching(without_overhang(tile_bounds(id))))
     finest = std::max(finest, groups_[g]->native_level());
   return finest;
 }
@@ -181,11 +181,7 @@ void Mosaic::drop_losing_posts(const SampleWindow& window, std::span<const std::
 // everywhere.
 Result<std::vector<Mosaic::Layer>> Mosaic::sample_layers(const SampleWindow& window, int level) const {
   std::vector<Layer> layers;
-  // What overhangs the world's end lies, wrapped, over groups that have nothing to do with the tile.
-  GeoBounds in_world = bounds_of(window);
-  in_world.east = std::min(in_world.east, 180.0);
-  in_world.north = std::min(in_world.north, 90.0);
-  for (const std::size_t g : groups_touching(in_world)) {
+  for (const std::size_t g : groups_touching(without_overhang(bounds_of(window)))) {
     const int levels = level - groups_[g]->native_level();
     assert(levels >= 0);
     auto samples = groups_[g]->sample(coarser_window(window, levels));

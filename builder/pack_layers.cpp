@@ -21,7 +21,8 @@ TileTree imagery_tree(const PackLayers& layers, const BuildOptions& options) {
   const ImageryMosaic& imagery = *layers.imagery;
   const bool everywhere = !options.region;
   return TileTree(imagery_top(layers, options), [&imagery, wanted, everywhere](const TileId& id) {
-    return everywhere || wanted.overlaps(tile_bounds_in_world(id)) ? imagery.native_level(id) : std::nullopt;
+    return everywhere || wanted.overlaps(without_overhang(tile_bounds(id))) ? imagery.native_level(id)
+                                                                            : std::nullopt;
   });
 }
 

@@ -41,8 +41,7 @@ GeoBounds tile_bounds(const TileId& id) {
   return {west, south, west + width, south + width};
 }
 
-GeoBounds tile_bounds_in_world(const TileId& id) {
-  GeoBounds bounds = tile_bounds(id);
+GeoBounds without_overhang(GeoBounds bounds) {
   bounds.east = std::min(bounds.east, 180.0);
   bounds.north = std::min(bounds.north, 90.0);
   return bounds;

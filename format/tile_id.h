@@ -47,8 +47,9 @@ TileId tile_at(LonLat place, int level);
 
 /// West, south, east, north; exact. May reach past 180 and 90 where the tile overhangs.
 GeoBounds tile_bounds(const TileId& id);
-/// The same without the overhang: what a source must reach to be of the tile.
-GeoBounds tile_bounds_in_world(const TileId& id);
+/// Without what lies past 180 and 90: wrapped around the Earth, an overhang would lie over places that are
+/// none of the tile's.
+GeoBounds without_overhang(GeoBounds bounds);
 
 /// The tile one level coarser that covers this one. REQUIRES: level > kMinLevel.
 TileId parent_of(const TileId& id);

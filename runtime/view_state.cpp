@@ -22,6 +22,15 @@ CameraFrame camera_frame(const ViewState& view) {
           std::cos(roll) * up + std::sin(roll) * right, forward};
 }
 
+std::array<glm::dvec3, 5> inward_normals(const CameraFrame& camera, const ViewState& view) {
+  const double top = std::tan(glm::radians(view.fov_y_deg) / 2);
+  const double side = top * view.viewport_width_px / view.viewport_height_px;
+  return {glm::normalize(camera.forward * side + camera.right),
+          glm::normalize(camera.forward * side - camera.right),
+          glm::normalize(camera.forward * top + camera.up), glm::normalize(camera.forward * top - camera.up),
+          camera.forward};
+}
+
 double pixel_footprint_m(const ViewState& view, double distance_m) {
   return 2 * distance_m * std::tan(glm::radians(view.fov_y_deg) / 2) / view.viewport_height_px;
 }

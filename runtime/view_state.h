@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include <glm/vec3.hpp>
 
 #include "format/geo.h"
@@ -26,6 +28,10 @@ struct CameraFrame {
   glm::dvec3 forward;
 };
 CameraFrame camera_frame(const ViewState& view);
+
+/// Unit normals of the planes through the eye and the picture's sides, and of the one that parts before from
+/// behind; they point into what is seen.
+std::array<glm::dvec3, 5> inward_normals(const CameraFrame& camera, const ViewState& view);
 
 /// The width, in metres, of a pixel's footprint on a plane at this distance square to the view, by
 /// similar triangles: 2·d·tan(fov/2)/height.

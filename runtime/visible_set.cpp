@@ -6,23 +6,10 @@
 #include <glm/trigonometric.hpp>
 
 namespace cairn {
-namespace {
-
-std::array<glm::dvec3, 5> inward_normals(const ViewState& view, const CameraFrame& camera) {
-  const double top = std::tan(glm::radians(view.fov_y_deg) / 2);
-  const double side = top * view.viewport_width_px / view.viewport_height_px;
-  return {glm::normalize(camera.forward * side + camera.right),
-          glm::normalize(camera.forward * side - camera.right),
-          glm::normalize(camera.forward * top + camera.up), glm::normalize(camera.forward * top - camera.up),
-          camera.forward};
-}
-
-}  // namespace
-
 ViewVolume::ViewVolume(const ViewState& view, const Occluder& occluder) {
   const CameraFrame camera = camera_frame(view);
   eye_ = camera.position;
-  inward_ = inward_normals(view, camera);
+  inward_ = inward_normals(camera, view);
   scaled_eye_ = eye_ / occluder.radii;
   horizon_square_ = glm::dot(scaled_eye_, scaled_eye_) - 1;
 }

@@ -75,7 +75,8 @@ MeshPlan Renderer::State::plan(std::span<const RenderTile* const> seen, const Vi
   rules.pixels_per_radian = 1 / pixel_footprint_m(view, 1);
   rules.tolerance_px = look.tolerance_px;
   rules.eye = camera.position;
-  rules.inward = inward_normals(camera, view);
+  const auto inward = inward_normals(camera, view);
+  rules.inward.assign(inward.begin(), inward.end());
   return plan_mesh(areas, rules);
 }
 

@@ -19,15 +19,6 @@ glm::dmat4 clip_from_eye(const CameraFrame& camera, const ViewState& view) {
   return glm::transpose(rows);
 }
 
-std::vector<glm::dvec3> inward_normals(const CameraFrame& camera, const ViewState& view) {
-  const double top = std::tan(glm::radians(view.fov_y_deg) / 2);
-  const double side = top * view.viewport_width_px / view.viewport_height_px;
-  return {glm::normalize(camera.forward * side + camera.right),
-          glm::normalize(camera.forward * side - camera.right),
-          glm::normalize(camera.forward * top + camera.up), glm::normalize(camera.forward * top - camera.up),
-          camera.forward};
-}
-
 glm::mat4 ray_from_clip(const CameraFrame& camera, const ViewState& view) {
   const double t = std::tan(glm::radians(view.fov_y_deg) / 2);
   const double aspect = static_cast<double>(view.viewport_width_px) / view.viewport_height_px;

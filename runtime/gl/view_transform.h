@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -16,10 +14,6 @@ inline constexpr double kNear_m = 0.05;
 /// From metres relative to the eye, along the Earth's axes, to clip space; depth is near / distance: 1 at the
 /// near plane, 0 infinitely far.
 glm::dmat4 clip_from_eye(const CameraFrame& camera, const ViewState& view);
-
-/// Normals of the planes through the eye and the picture's sides, and of the one that parts before from
-/// behind.
-std::vector<glm::dvec3> inward_normals(const CameraFrame& camera, const ViewState& view);
 
 /// Rays from the eye through the corners of the picture, as a matrix on clip coordinates.
 glm::mat4 ray_from_clip(const CameraFrame& camera, const ViewState& view);

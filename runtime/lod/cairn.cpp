@@ -24,12 +24,12 @@
 
 #include <array>
 #include <memory>
-#include <unordered_map>
 
 #include "runtime/lod/mesh/allowance.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/conform.h"
 #include "runtime/lod/mesh/cpu_clock.h"
+#include "runtime/lod/mesh/prepared_tiles.h"
 #include "runtime/lod/mesh/square_errors.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
@@ -117,24 +117,10 @@ class Selection {
 class Cairn : public LodMethod {
  public:
   void prepare(const LodScene& scene) override {
-    std::unordered_map<TileId, bool> between_samples;
-    for (const LodTile& tile : scene.tiles) between_samples[tile.source] |= tile.error_m > 0;
-    std::erase_if(errors_, [&](const auto& item) {
-      const auto wanted = between_samples.find(item.first);
-      return wanted == between_samples.end() || wanted->second != item.second.between_samples();
-    });
-    for (const LodTile& tile : scene.tiles) {
-      if (!errors_.contains(tile.source))
-        errors_.emplace(tile.source, SquareErrors(scene, tile, between_samples.at(tile.source)));
-    }
+    errors_.prepare(scene);
     forest_.prepare(scene);
   }
-
-  std::uint64_t prepared_bytes() const override {
-    std::uint64_t bytes = forest_.bytes();
-    for (const auto& [source, errors] : errors_) bytes += errors.bytes();
-    return bytes;
-  }
+  std::uint64_t prepared_bytes() const override { return errors_.bytes() + forest_.bytes(); }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
     const double start = thread_cpu_s();
@@ -143,8 +129,7 @@ class Cairn : public LodMethod {
     forest_.begin();
     for (const std::size_t i : drawn) {
       const LodTile& tile = scene.tiles[i];
-      Selection(errors_.at(tile.source), tile, i, TileWindow(scene, tile), allowance, view.cull, forest_)
-          .run();
+      Selection(errors_.of(tile), tile, i, TileWindow(scene, tile), allowance, view.cull, forest_).run();
     }
     const double selected = thread_cpu_s();
     LodMesh mesh;
@@ -160,7 +145,7 @@ class Cairn : public LodMethod {
   void append(const LodScene& scene, const LodView& view, const Allowance& allowance, std::size_t i,
               LodMesh& mesh) {
     const LodTile& tile = scene.tiles[i];
-    const SquareErrors& errors = errors_.at(tile.source);
+    const SquareErrors& errors = errors_.of(tile);
     const TileWindow window(scene, tile);
     forest_.append(
         scene, i, view.cull ? SquareErrors::kSphereLevel : BisectionForest::kNeverCull,
@@ -170,7 +155,7 @@ class Cairn : public LodMethod {
         mesh);
   }
 
-  std::unordered_map<TileId, SquareErrors> errors_;
+  PreparedTiles<SquareErrors> errors_;
   BisectionForest forest_;
 };
 

@@ -13,8 +13,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "runtime/lod/mesh/conform.h"
-#include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/patches.h"
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/lod/mesh/tile_culling.h"
@@ -34,15 +32,7 @@ class GeoMip : public LodMethod {
   std::uint64_t prepared_bytes() const override { return patches_.bytes(); }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
-    const double start = thread_cpu_s();
-    const std::vector<ChosenPatch> chosen = choose(scene, view);
-    const double selected = thread_cpu_s();
-    LodMesh mesh;
-    append_patches(scene, chosen, mesh);
-    conform(scene, mesh);
-    mesh.selection_s = selected - start;
-    mesh.building_s = thread_cpu_s() - selected;
-    return mesh;
+    return mesh_of_patches(scene, [&] { return choose(scene, view); });
   }
 
  private:

@@ -19,7 +19,6 @@
 #include <memory>
 #include <numbers>
 #include <optional>
-#include <unordered_map>
 
 #include <glm/geometric.hpp>
 
@@ -31,6 +30,7 @@
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/index_forms.h"
+#include "runtime/lod/mesh/prepared_tiles.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_errors.h"
@@ -41,9 +41,8 @@ namespace {
 
 /// Nested error and radius of each vertex of a tile, row-major.
 struct NestedSpheres {
-  NestedSpheres(const LodScene& scene, const LodTile& tile, bool with_places_between)
-      : between_samples(with_places_between),
-        positions(south_west_of(tile.source), lattice_width(tile.source.level) / (scene.tile_size - 1),
+  NestedSpheres(const LodScene& scene, const LodTile& tile, bool between_samples)
+      : positions(south_west_of(tile.source), lattice_width(tile.source.level) / (scene.tile_size - 1),
                   scene.tile_size),
         errors_m(vertex_errors_m(*tile.heights, tile.source, scene.quantum_m, between_samples)) {
     nest(scene, tile);
@@ -53,7 +52,6 @@ struct NestedSpheres {
     return positions.bytes() + (errors_m.size() + radii_m.size()) * sizeof(float);
   }
 
-  bool between_samples;
   GridPositions positions;
   std::vector<float> errors_m;
   std::vector<float> radii_m;
@@ -219,24 +217,10 @@ class Strip {
 class Soar : public LodMethod {
  public:
   void prepare(const LodScene& scene) override {
-    std::unordered_map<TileId, bool> between_samples;
-    for (const LodTile& tile : scene.tiles) between_samples[tile.source] |= tile.error_m > 0;
-    std::erase_if(spheres_, [&](const auto& item) {
-      const auto wanted = between_samples.find(item.first);
-      return wanted == between_samples.end() || wanted->second != item.second.between_samples;
-    });
-    for (const LodTile& tile : scene.tiles) {
-      if (!spheres_.contains(tile.source))
-        spheres_.emplace(tile.source, NestedSpheres(scene, tile, between_samples.at(tile.source)));
-    }
+    spheres_.prepare(scene);
     forest_.prepare(scene);
   }
-
-  std::uint64_t prepared_bytes() const override {
-    std::uint64_t bytes = forest_.bytes();
-    for (const auto& [source, spheres] : spheres_) bytes += spheres.bytes();
-    return bytes;
-  }
+  std::uint64_t prepared_bytes() const override { return spheres_.bytes() + forest_.bytes(); }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
     const double start = thread_cpu_s();
@@ -244,7 +228,7 @@ class Soar : public LodMethod {
     const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
     forest_.begin();
     for (const std::size_t i : drawn)
-      Refinement(scene, i, spheres_.at(scene.tiles[i].source), allowance, view, forest_).run();
+      Refinement(scene, i, spheres_.of(scene.tiles[i]), allowance, view, forest_).run();
     const double selected = thread_cpu_s();
     LodMesh mesh;
     for (const std::size_t i : drawn) append(scene, i, mesh);
@@ -266,7 +250,7 @@ class Soar : public LodMethod {
     mesh.tiles.push_back(std::move(out));
   }
 
-  std::unordered_map<TileId, NestedSpheres> spheres_;
+  PreparedTiles<NestedSpheres> spheres_;
   BisectionForest forest_;
   VertexNumbers numbers_;
 };

@@ -32,8 +32,7 @@ int round_down(float length_m) {
 }
 
 SquareErrors::SquareErrors(const LodScene& scene, const LodTile& tile, bool between_samples)
-    : levels_(std::bit_width(static_cast<unsigned>(tile.heights->size - 1)) - 1),
-      between_samples_(between_samples) {
+    : levels_(std::bit_width(static_cast<unsigned>(tile.heights->size - 1)) - 1) {
   const HeightTile& heights = *tile.heights;
   const double cell = tile_width_degrees(tile.source.level) / (heights.size - 1) * std::numbers::pi / 180;
   chord_of_cell_m_ = cairn::chord_of_cell_m(cell, tile.max_m);

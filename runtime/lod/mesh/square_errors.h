@@ -42,7 +42,6 @@ class SquareErrors {
 
   SquareErrors(const LodScene& scene, const LodTile& tile, bool between_samples);
 
-  bool between_samples() const { return between_samples_; }
   int levels() const { return levels_; }  ///< log2 of the tile's cells
   const SquareError& at(int k, int x, int y) const { return squares_[slot(k, x, y)]; }
   /// Of the square, or of the smallest one around it that has one.
@@ -72,7 +71,6 @@ class SquareErrors {
   NearSphere near_sphere(const SquareSphere& sphere) const;
 
   int levels_;
-  bool between_samples_;
   double chord_of_cell_m_;
   std::array<std::size_t, 16> first_{};
   std::vector<SquareError> squares_;

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+
+#include "runtime/lod_method.h"
+
+namespace cairn {
+
+/// What a method works out for each tile of a scene when it is loaded, by the tile that has the heights, and
+/// keeps while the scene has it. `Prepared` is made from (scene, tile, between_samples), the last saying
+/// whether places between the samples count, as they do where the tile stands for finer ones; it has bytes().
+template <class Prepared>
+class PreparedTiles {
+ public:
+  void prepare(const LodScene& scene) {
+    std::unordered_map<TileId, bool> between_samples;
+    for (const LodTile& tile : scene.tiles) between_samples[tile.source] |= tile.error_m > 0;
+    std::erase_if(kept_, [&](const auto& item) {
+      const auto wanted = between_samples.find(item.first);
+      return wanted == between_samples.end() || wanted->second != item.second.between_samples;
+    });
+    for (const LodTile& tile : scene.tiles) {
+      if (kept_.contains(tile.source)) continue;
+      const bool between = between_samples.at(tile.source);
+      kept_.emplace(tile.source, Kept{between, Prepared(scene, tile, between)});
+    }
+  }
+
+  const Prepared& of(const LodTile& tile) const { return kept_.at(tile.source).prepared; }
+
+  std::uint64_t bytes() const {
+    std::uint64_t bytes = 0;
+    for (const auto& [source, kept] : kept_) bytes += kept.prepared.bytes();
+    return bytes;
+  }
+
+ private:
+  struct Kept {
+    bool between_samples;
+    Prepared prepared;
+  };
+  std::unordered_map<TileId, Kept> kept_;
+};
+
+}  // namespace cairn
