@@ -1,8 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "format/geo.h"
+#include "runtime/gl/shown_tiles.h"
 #include "runtime/render_list.h"
 
 namespace cairn::gl {
@@ -12,5 +14,8 @@ namespace cairn::gl {
 /// surface, which leaves these by a quarter of a cell's twist: metres in coarse mountains, so that an eye
 /// just above it may be under what is drawn. nullopt where the list shows no heights, or a void.
 std::optional<double> drawn_ground_m(const RenderList& list, double quantum_m, LonLat place);
+
+/// The same with no more detail than a frame shows.
+std::optional<double> drawn_ground_m(std::span<const ShownTile> tiles, double quantum_m, LonLat place);
 
 }  // namespace cairn::gl

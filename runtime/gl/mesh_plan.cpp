@@ -12,30 +12,32 @@ namespace cairn::gl {
 namespace {
 
 /// The surface that decides at points that some patch which touches them has no sample at.
-using Deciders = std::unordered_map<LatticePoint, const SurfaceTile*>;
+using Deciders = std::unordered_map<LatticePoint, ShownSurface>;
 
 /// What a patch's side is joined to, along a part of it.
 struct Joint {
   std::int64_t first = 0;
   std::int64_t last = 0;
   std::int64_t spacing = 0;  ///< of the vertices that both have
-  const SurfaceTile* surface = nullptr;
+  ShownSurface surface;
   bool decided = false;  ///< its ends are among the deciders
 };
 using Joints = std::array<std::vector<Joint>, 4>;
 
-/// No surface (height 0) is the coarsest.
-const SurfaceTile* coarser_of(const SurfaceTile* a, const SurfaceTile* b) {
-  if (!a || !b) return nullptr;
-  return b->id.level < a->id.level ? b : a;
+/// The one shown with less detail, of equal ones that of the coarser tile, so that both sides choose the
+/// same. No surface (height 0) is the coarsest.
+ShownSurface coarser_of(const ShownSurface& a, const ShownSurface& b) {
+  if (!a.tile || !b.tile) return {};
+  if (a.detail != b.detail) return b.detail < a.detail ? b : a;
+  return b.tile->id.level < a.tile->id.level ? b : a;
 }
 
-float height_from(const SurfaceTile* surface, LatticePoint point) {
-  if (!surface) return 0;
-  const std::int64_t west = south_west_of(surface->id).x;
+float height_from(const ShownSurface& surface, LatticePoint point) {
+  if (!surface.tile) return 0;
+  const std::int64_t west = south_west_of(surface.tile->id).x;
   if (point.x < west) point.x += kLatticeAround;
-  if (point.x > west + lattice_width(surface->id.level)) point.x -= kLatticeAround;
-  return height_at(*surface, point);
+  if (point.x > west + lattice_width(surface.tile->id.level)) point.x -= kLatticeAround;
+  return height_at(surface, point);
 }
 
 /// The fewest cells that have a vertex at the end of the world, where the tile overhangs it.
@@ -55,6 +57,7 @@ class Planner {
       : rules_(rules), patches_(partition_areas(areas, rules)), segments_(shared_segments(patches_)) {}
 
   MeshPlan plan() {
+    mark_touched();
     choose_grids();
     join_sides();
     for (std::size_t i = 0; i < patches_.size(); ++i) append_patch(i);
@@ -62,6 +65,16 @@ class Planner {
   }
 
  private:
+  /// A rim moves with whichever side of it moves.
+  void mark_touched() {
+    std::vector<bool> touched(patches_.size());
+    for (const SharedSegment& s : segments_) {
+      if (patches_[s.finer].moves) touched[s.coarser] = true;
+      if (patches_[s.coarser].moves) touched[s.finer] = true;
+    }
+    for (std::size_t i = 0; i < patches_.size(); ++i) patches_[i].moves = patches_[i].moves || touched[i];
+  }
+
   void choose_grids() {
     for (const Patch& patch : patches_) {
       cells_log2_.push_back(std::max(cells_log2_for_eye(patch, rules_), cells_log2_of_overhang(patch.area)));
@@ -80,8 +93,8 @@ class Planner {
     joints_.resize(patches_.size());
     for (const SharedSegment& s : segments_) {
       const std::int64_t common = std::max(spacing(s.finer), spacing(s.coarser));
-      const SurfaceTile* mine = patches_[s.finer].surface;
-      const SurfaceTile* theirs = patches_[s.coarser].surface;
+      const ShownSurface& mine = patches_[s.finer].surface;
+      const ShownSurface& theirs = patches_[s.coarser].surface;
       const bool decided = !samples_at_ends(s);
       add_joint(s.finer, s.finer_side,
                 {s.along_first, s.along_last, common, coarser_of(mine, theirs), decided});
@@ -97,15 +110,15 @@ class Planner {
 
   /// Whether both surfaces have samples where the segment ends: else they disagree there.
   bool samples_at_ends(const SharedSegment& s) const {
-    const SurfaceTile* a = patches_[s.finer].surface;
-    const SurfaceTile* b = patches_[s.coarser].surface;
-    if (!a || !b) return a == b;
-    const int coarser = std::min(a->id.level, b->id.level);
+    const ShownSurface& a = patches_[s.finer].surface;
+    const ShownSurface& b = patches_[s.coarser].surface;
+    if (!a.tile || !b.tile) return a.tile == b.tile;
+    const int coarser = std::min(a.whole_level(), b.whole_level());
     return patches_[s.finer].area.level <= coarser + cells_log2_of(rules_.tile_size);
   }
 
   void decide_ends(const SharedSegment& s) {
-    const SurfaceTile* surface = coarser_of(patches_[s.finer].surface, patches_[s.coarser].surface);
+    const ShownSurface surface = coarser_of(patches_[s.finer].surface, patches_[s.coarser].surface);
     for (const std::int64_t along : {s.along_first, s.along_last}) {
       const LatticePoint point = canonical(point_on(patches_[s.finer].area, s.finer_side, along));
       const auto [it, fresh] = deciders_.emplace(point, surface);
@@ -149,11 +162,11 @@ class Planner {
   bool is_plain(std::size_t index, const GridPatch& grid, Side side) const {
     const int finest_of_tile = cells_log2_of(rules_.tile_size);
     const int lattice = grid.area.level + grid.cells_log2;
-    const auto has_samples = [&](const SurfaceTile* surface) {
-      return surface && lattice <= surface->id.level + finest_of_tile;
+    const auto has_samples = [&](const ShownSurface& surface) {
+      return surface.tile && lattice <= surface.whole_level() + finest_of_tile;
     };
-    const SurfaceTile* own = patches_[index].surface;
-    if (!has_samples(own) || !own->exact_on_gpu || has_decided_corner(grid, side)) return false;
+    const ShownSurface& own = patches_[index].surface;
+    if (!has_samples(own) || !own.tile->exact_on_gpu || has_decided_corner(grid, side)) return false;
     const auto& joints = joints_[index][static_cast<std::size_t>(side)];
     return std::all_of(joints.begin(), joints.end(), [&](const Joint& joint) {
       return !joint.decided && joint.spacing <= spacing(index) && has_samples(joint.surface);
@@ -193,7 +206,7 @@ class Planner {
     float height_m = 0;
   };
   Snapped snap(std::size_t index, Side side, std::int64_t along) const {
-    const SurfaceTile* surface = patches_[index].surface;
+    ShownSurface surface = patches_[index].surface;
     for (const Joint& joint : joints_[index][static_cast<std::size_t>(side)]) {
       if (along < joint.first || along > joint.last) continue;
       along = (along + joint.spacing / 2) / joint.spacing * joint.spacing;

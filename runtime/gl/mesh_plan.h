@@ -17,6 +17,8 @@ struct MeshArea {
   TileId area;
   const SurfaceTile* surface = nullptr;  ///< of the area or an ancestor; null: height 0 everywhere
   double distance_m = 0;                 ///< from the eye to the nearest point of the area, or less
+  double detail = kMaxLevel;             ///< the surface is shown with: ShownSurface::of()
+  bool moves = false;  ///< its detail changes from frame to frame: the grids keep half the tolerance
 };
 
 /// A regular grid of vertices over an area or over a part of it. Vertex (i, j) is i columns from the west and
@@ -67,6 +69,12 @@ struct MeshRules {
 /// read equal heights; where a patch is too small to have a sample of the coarser at its corners, and where
 /// one has no heights, all that touch the point take the height that the coarsest gives. Patches whose levels
 /// differ by more than kMaxLevelStep are split, so that the coarser has a vertex where a finer one ends.
+///
+/// What is drawn at a place is the surface with the detail of the grid or of the area, whichever is less;
+/// where two touch, the less of both. So when grids change between two frames, no place of theirs moves by
+/// more than the tolerance: the deviations that are compared with it are sums over the steps from the finest
+/// detail. Of what else moves a place, an area that `moves`, half is left: next to such a one, too, grids
+/// keep half.
 ///
 /// REQUIRES: no two areas overlap; every surface has rules.tile_size samples a side.
 MeshPlan plan_mesh(std::span<const MeshArea> areas, const MeshRules& rules);

@@ -81,16 +81,21 @@ bool is_seen(const Sphere& sphere, const MeshRules& rules) {
   });
 }
 
+/// Null where the patch has no heights.
+const Relief* relief_of(const Patch& patch, const TileId& part) {
+  return patch.surface.tile ? &patch.surface.tile->relief_under(part) : nullptr;
+}
+
 /// Adds the children of a patch that can be seen.
 template <class Add>
 void for_each_part(const Patch& patch, const MeshRules& rules, Add add) {
   for (int quadrant = 0; quadrant < 4; ++quadrant) {
     const TileId child = child_of(patch.area, quadrant);
     if (!is_valid(child)) continue;
-    const Sphere sphere = sphere_around(child, patch.surface ? &patch.surface->relief_under(child) : nullptr);
+    const Sphere sphere = sphere_around(child, relief_of(patch, child));
     if (!is_seen(sphere, rules)) continue;
     const double distance = std::max(0.0, glm::length(rules.eye - sphere.centre) - sphere.radius);
-    add(Patch{child, patch.from, patch.surface, std::max(distance, patch.distance_m)});
+    add(Patch{child, patch.from, patch.surface, std::max(distance, patch.distance_m), patch.moves});
   }
 }
 
@@ -133,14 +138,14 @@ Side SharedSegment::coarser_side() const {
 
 int cells_log2_for_eye(const Patch& patch, const MeshRules& rules) {
   const int finest = cells_log2_of(rules.tile_size);
-  const double allowed_m =
-      std::max(rules.tolerance_px * patch.distance_m / rules.pixels_per_radian, kNegligible_m);
-  const Relief* relief = patch.surface ? &patch.surface->relief_under(patch.area) : nullptr;
+  const double tolerance_px = patch.moves ? rules.tolerance_px / 2 : rules.tolerance_px;
+  const double allowed_m = std::max(tolerance_px * patch.distance_m / rules.pixels_per_radian, kNegligible_m);
+  const Relief* relief = relief_of(patch, patch.area);
   double deviation = chord_deviation_m(patch.area);
   for (int cells_log2 = 0; cells_log2 < finest; ++cells_log2, deviation /= 4) {
     if (!relief && deviation <= allowed_m) return cells_log2;
     if (!relief) continue;
-    const int dropped = patch.surface->id.level + finest - patch.area.level - cells_log2;
+    const int dropped = patch.surface.tile->id.level + finest - patch.area.level - cells_log2;
     const auto k = static_cast<std::size_t>(std::clamp(dropped, 0, kMaxCellsLog2));
     if (deviation + static_cast<double>(relief->errors[k]) <= allowed_m) return cells_log2;
   }
@@ -151,7 +156,9 @@ std::vector<Patch> partition_areas(std::span<const MeshArea> areas, const MeshRu
   std::vector<Patch> patches;
   patches.reserve(areas.size());
   for (std::size_t i = 0; i < areas.size(); ++i) {
-    add_split({areas[i].area, i, areas[i].surface, areas[i].distance_m}, rules, patches);
+    const MeshArea& area = areas[i];
+    add_split({area.area, i, ShownSurface::of(area.surface, area.detail), area.distance_m, area.moves}, rules,
+              patches);
   }
   for (;;) {
     const std::vector<bool> split = too_coarse(patches);

@@ -26,8 +26,9 @@ struct SharedSegment {
 struct Patch {
   TileId area;
   std::size_t from = 0;
-  const SurfaceTile* surface = nullptr;
+  ShownSurface surface;
   double distance_m = 0;  ///< from the eye to the nearest point, or less
+  bool moves = false;     ///< or touches one that does
 };
 
 /// The areas, split until a grid of a block's size keeps the tolerance, and until neighbours differ by
@@ -38,7 +39,8 @@ std::vector<Patch> partition_areas(std::span<const MeshArea> areas, const MeshRu
 std::vector<SharedSegment> shared_segments(std::span<const Patch> patches);
 
 /// log2 of the cells along a side that keep the tolerance: of the decimated heights' deviation plus that of
-/// the chords from the ellipsoid, R(δφ²+δλ²cos²φ)/8, the error of linear interpolation.
+/// the chords from the ellipsoid, R(δφ²+δλ²cos²φ)/8, the error of linear interpolation. Half the tolerance
+/// where the patch moves.
 int cells_log2_for_eye(const Patch& patch, const MeshRules& rules);
 
 }  // namespace cairn::gl

@@ -22,11 +22,13 @@ Window window_in(const TileId& tile, const TileId& area) {
           std::ldexp(1.0, tile.level - area.level)};
 }
 
-void show_heights(const RenderTile& tile, const GridPatch& grid, ResidentTiles& resident,
+void show_heights(const ShownTile& shown, const GridPatch& grid, ResidentTiles& resident,
                   PatchRecord& record) {
-  const ResidentHeights* heights = resident.heights_of(tile);
+  const ResidentHeights* heights = resident.heights_of(shown.tile);
   if (!heights) return;
-  const Window window = window_in(tile.heights_id, grid.area);
+  const ShownSurface surface = ShownSurface::of(&heights->surface, shown.detail);
+  record.dropped = static_cast<float>(heights->surface.id.level - surface.detail);
+  const Window window = window_in(shown.tile.heights_id, grid.area);
   const double cells = resident.tile_size() - 1;
   record.height_layer = static_cast<std::int32_t>(resident.height_layer(*heights));
   record.height_base = heights->base;
@@ -48,7 +50,7 @@ void show_imagery(const RenderTile& tile, const GridPatch& grid, ResidentTiles& 
 
 }  // namespace
 
-std::vector<PatchRecord> patch_records(const MeshPlan& plan, std::span<const RenderTile* const> tiles,
+std::vector<PatchRecord> patch_records(const MeshPlan& plan, std::span<const ShownTile* const> tiles,
                                        ResidentTiles& resident, ColumnBuffer& columns, RowBuffer& rows) {
   std::vector<PatchRecord> records;
   records.reserve(plan.patches.size());
@@ -63,7 +65,7 @@ std::vector<PatchRecord> patch_records(const MeshPlan& plan, std::span<const Ren
     record.listed_sides = grid.listed_sides;
     record.level = grid.area.level;
     show_heights(*tiles[grid.from], grid, resident, record);
-    show_imagery(*tiles[grid.from], grid, resident, record);
+    show_imagery(tiles[grid.from]->tile, grid, resident, record);
     records.push_back(record);
   }
   return records;

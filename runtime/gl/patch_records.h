@@ -9,6 +9,7 @@
 #include "runtime/gl/axis_buffer.h"
 #include "runtime/gl/mesh_plan.h"
 #include "runtime/gl/resident_tiles.h"
+#include "runtime/gl/shown_tiles.h"
 
 namespace cairn::gl {
 
@@ -31,11 +32,11 @@ struct PatchRecord {
   std::int32_t imagery_layer = 0;
   float imagery_scale = 1;
   std::int32_t level = 0;
-  std::int32_t unused = 0;  // GLSL rounds the size up to a multiple of 8
+  float dropped = 0;  // of ShownSurface: how many levels less are shown than the source has
 };
 
 /// A record for each patch of a plan; `tiles` are those that its areas were made of.
-std::vector<PatchRecord> patch_records(const MeshPlan& plan, std::span<const RenderTile* const> tiles,
+std::vector<PatchRecord> patch_records(const MeshPlan& plan, std::span<const ShownTile* const> tiles,
                                        ResidentTiles& resident, ColumnBuffer& columns, RowBuffer& rows);
 
 }  // namespace cairn::gl

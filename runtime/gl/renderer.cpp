@@ -6,11 +6,13 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "runtime/gl/axis_buffer.h"
+#include "runtime/gl/drawn_ground.h"
 #include "runtime/gl/grid_batch.h"
 #include "runtime/gl/mesh_plan.h"
 #include "runtime/gl/patch_records.h"
 #include "runtime/gl/resident_tiles.h"
 #include "runtime/gl/shader_program.h"
+#include "runtime/gl/shown_tiles.h"
 #include "runtime/gl/thread_clock.h"
 
 namespace cairn::gl {
@@ -36,6 +38,7 @@ struct Renderer::State {
       : quantum_m(quantum), tiles(size, quantum, expected, uploads), columns(size), rows(size) {}
 
   double quantum_m;
+  ShownTiles shown;
   ResidentTiles tiles;
   ColumnBuffer columns;
   RowBuffer rows;
@@ -44,37 +47,42 @@ struct Renderer::State {
   Program sky;
   VertexArray no_vertices = make_vertex_array();
 
-  std::vector<const RenderTile*> load_visible(const RenderList& list);
-  MeshPlan plan(std::span<const RenderTile* const> seen, const ViewState& view, const FrameLook& look,
+  std::vector<const ShownTile*> load_visible(const RenderList& list, const FrameScale& scale);
+  MeshPlan plan(std::span<const ShownTile* const> seen, const ViewState& view, const FrameScale& scale,
                 const CameraFrame& camera);
   void set_uniforms(const CameraFrame& camera, const ViewState& view, const FrameLook& look);
   void draw_sky(const CameraFrame& camera, const ViewState& view);
 };
 
-std::vector<const RenderTile*> Renderer::State::load_visible(const RenderList& list) {
-  tiles.begin_frame(list.evicted);
-  std::vector<const RenderTile*> seen;
-  for (const RenderTile& tile : list.tiles) {
-    if (!tile.visible) continue;
-    tiles.heights_of(tile);
-    tiles.imagery_of(tile);
-    seen.push_back(&tile);
+std::vector<const ShownTile*> Renderer::State::load_visible(const RenderList& list, const FrameScale& scale) {
+  shown.update(list, scale, [this](const RenderTile& tile) {
+    const ResidentHeights* heights = tiles.heights_of(tile);
+    return heights ? &heights->surface : nullptr;
+  });
+  tiles.begin_frame(list.evicted, shown.tiles());
+  std::vector<const ShownTile*> seen;
+  for (const ShownTile& each : shown.tiles()) {
+    if (!each.tile.visible) continue;
+    tiles.heights_of(each.tile);
+    tiles.imagery_of(each.tile);
+    seen.push_back(&each);
   }
   return seen;
 }
 
-MeshPlan Renderer::State::plan(std::span<const RenderTile* const> seen, const ViewState& view,
-                               const FrameLook& look, const CameraFrame& camera) {
+MeshPlan Renderer::State::plan(std::span<const ShownTile* const> seen, const ViewState& view,
+                               const FrameScale& scale, const CameraFrame& camera) {
   std::vector<MeshArea> areas;
-  for (const RenderTile* tile : seen) {
-    const ResidentHeights* heights = tiles.heights_of(*tile);
-    areas.push_back({tile->area, heights ? &heights->surface : nullptr, tile->distance_m});
+  for (const ShownTile* each : seen) {
+    const ResidentHeights* heights = tiles.heights_of(each->tile);
+    areas.push_back({each->tile.area, heights ? &heights->surface : nullptr, each->tile.distance_m,
+                     each->detail, each->moves});
   }
   MeshRules rules;
   rules.tile_size = tiles.tile_size();
-  rules.pixels_per_radian = 1 / pixel_footprint_m(view, 1);
-  rules.tolerance_px = look.tolerance_px;
-  rules.eye = camera.position;
+  rules.pixels_per_radian = scale.pixels_per_radian;
+  rules.tolerance_px = scale.tolerance_px;
+  rules.eye = scale.eye;
   const auto inward = inward_normals(camera, view);
   rules.inward.assign(inward.begin(), inward.end());
   return plan_mesh(areas, rules);
@@ -152,14 +160,15 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
   FrameCounts counts;
   // 1. What is seen, uploaded where it was not.
   const double begin = thread_cpu_ms();
+  const CameraFrame camera = camera_frame(view);
+  const FrameScale scale{camera.position, 1 / pixel_footprint_m(view, 1), look.tolerance_px};
   s.columns.begin_frame();
   s.rows.begin_frame();
-  const std::vector<const RenderTile*> seen = s.load_visible(list);
+  const std::vector<const ShownTile*> seen = s.load_visible(list, scale);
   counts.uploads = s.tiles.uploads();
   counts.upload_ms = thread_cpu_ms() - begin;
   // 2. The grids, and what they show.
-  const CameraFrame camera = camera_frame(view);
-  const MeshPlan plan = s.plan(seen, view, look, camera);
+  const MeshPlan plan = s.plan(seen, view, scale, camera);
   const std::vector<PatchRecord> records = patch_records(plan, seen, s.tiles, s.columns, s.rows);
   counts.patches = records.size();
   // 3. Draw: terrain, then the sky where nothing is.
@@ -178,6 +187,14 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
   if (!look.hole_colour && look.draws) s.draw_sky(camera, view);
   counts.gpu_bytes = s.tiles.bytes() + s.columns.bytes() + s.rows.bytes();
   return counts;
+}
+
+void Renderer::cut() {
+  state_->shown.cut();
+}
+
+std::optional<double> Renderer::ground_m(LonLat place) const {
+  return drawn_ground_m(state_->shown.tiles(), state_->quantum_m, place);
 }
 
 std::vector<Error> Renderer::take_errors() {

@@ -48,9 +48,15 @@ class Renderer {
   ~Renderer();
 
   /// Draws a frame into the framebuffer, which needs an sRGB colour and a float depth attachment, over the
-  /// view's whole viewport.
+  /// view's whole viewport. Tiles are exchanged over several frames, see ShownTiles.
   FrameCounts draw(const RenderList& list, const ViewState& view, const FrameLook& look,
                    unsigned framebuffer);
+
+  /// The next frame has nothing to do with the last one, so that nothing of it is on its way to be exchanged.
+  void cut();
+  /// The height of the ground at a place as the last frame drew it, but for the tolerance; nullopt where
+  /// there is none.
+  std::optional<double> ground_m(LonLat place) const;
 
   /// What this context cannot show of what it was given, each once, since the last call.
   std::vector<Error> take_errors();

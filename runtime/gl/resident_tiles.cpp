@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <unordered_set>
 #include <utility>
 
 namespace cairn::gl {
@@ -24,17 +25,32 @@ ResidentTiles::ResidentTiles(int tile_size, double quantum_m, std::size_t expect
                ImageryTextures(TextureFormat::bc3, tile_size - 1, first_layers(expected)),
                ImageryTextures(TextureFormat::bc7, tile_size - 1, first_layers(expected))} {}
 
-void ResidentTiles::begin_frame(const std::vector<TileKey>& evicted) {
+void ResidentTiles::begin_frame(std::span<const TileKey> evicted, std::span<const ShownTile> shown) {
   uploaded_ = 0;
   for (const TileKey& key : evicted) {
-    if (key.layer == Layer::imagery) {
-      for (ImageryTextures& array : imagery_) array.release(key.id);
-      continue;
-    }
-    surfaces_.erase(key.id);
-    heights_.release(key.id);
-    prepared_.forget(key.id);
+    if (key.layer == Layer::heights) prepared_.forget(key.id);
   }
+  evicted_.insert(evicted_.end(), evicted.begin(), evicted.end());
+  if (evicted_.empty()) return;
+  std::unordered_set<TileKey> used;
+  for (const ShownTile& each : shown) {
+    used.insert({Layer::heights, each.tile.heights_id});
+    used.insert({Layer::imagery, each.tile.imagery_id});
+  }
+  std::erase_if(evicted_, [&](const TileKey& key) {
+    if (used.contains(key)) return false;
+    release(key);
+    return true;
+  });
+}
+
+void ResidentTiles::release(const TileKey& key) {
+  if (key.layer == Layer::imagery) {
+    for (ImageryTextures& array : imagery_) array.release(key.id);
+    return;
+  }
+  surfaces_.erase(key.id);
+  heights_.release(key.id);
 }
 
 const ResidentHeights* ResidentTiles::heights_of(const RenderTile& tile) {

@@ -3,11 +3,13 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "format/status.h"
 #include "runtime/gl/height_upload.h"
+#include "runtime/gl/shown_tiles.h"
 #include "runtime/gl/tile_textures.h"
 #include "runtime/render_list.h"
 
@@ -33,7 +35,9 @@ class ResidentTiles {
   /// `expected`: tiles of a layer that there will be at most, as far as is known.
   ResidentTiles(int tile_size, double quantum_m, std::size_t expected, HeightUploads& uploads);
 
-  void begin_frame(const std::vector<TileKey>& evicted);
+  /// `evicted` are no longer in memory: what was prepared for them is dropped, and their textures with
+  /// the first frame that shows them no more, whose tiles are `shown`.
+  void begin_frame(std::span<const TileKey> evicted, std::span<const ShownTile> shown);
   /// nullptr where the tile has none.
   const ResidentHeights* heights_of(const RenderTile& tile);
   std::uint32_t height_layer(const ResidentHeights& heights) { return *heights_.find(heights.surface.id); }
@@ -48,6 +52,7 @@ class ResidentTiles {
   std::vector<Error> take_errors();
 
  private:
+  void release(const TileKey& key);
   std::optional<std::size_t> array_for(TextureFormat format);
 
   int tile_size_;
@@ -56,6 +61,7 @@ class ResidentTiles {
   HeightTextures heights_;
   std::array<ImageryTextures, 3> imagery_;
   std::unordered_map<TileId, ResidentHeights> surfaces_;
+  std::vector<TileKey> evicted_;  // and shown on
   std::array<bool, 3> refused_{};
   std::vector<Error> errors_;
   std::size_t uploaded_ = 0;

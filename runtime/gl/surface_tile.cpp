@@ -119,17 +119,22 @@ HeightTexels height_texels(const HeightTile& tile) {
   return out;
 }
 
-float height_at(const SurfaceTile& tile, const LatticePoint& point) {
+namespace {
+
+/// Of the tile with only every 2^dropped-th row and column kept.
+float thinned_height_at(const SurfaceTile& tile, const LatticePoint& point, int dropped) {
   const HeightTile& heights = *tile.heights;
   const int cells_log2 = cells_log2_of(heights.size);
-  const std::int64_t spacing = lattice_width(tile.id.level + cells_log2);
+  const std::int64_t cell = lattice_width(tile.id.level + cells_log2 - dropped);
   const LatticePoint origin = south_west_of(tile.id);
   const std::int64_t dx = point.x - origin.x, dy = point.y - origin.y;
-  assert(dx >= 0 && dy >= 0 && dx <= spacing << cells_log2 && dy <= spacing << cells_log2);
-  const auto c = static_cast<int>(dx / spacing), r = static_cast<int>(dy / spacing);
-  const double u = static_cast<double>(dx % spacing) / static_cast<double>(spacing);
-  const double v = static_cast<double>(dy % spacing) / static_cast<double>(spacing);
+  assert(dx >= 0 && dy >= 0 && dx <= lattice_width(tile.id.level) && dy <= lattice_width(tile.id.level));
+  const auto c = static_cast<int>(dx / cell), r = static_cast<int>(dy / cell);
+  const double u = static_cast<double>(dx % cell) / static_cast<double>(cell);
+  const double v = static_cast<double>(dy % cell) / static_cast<double>(cell);
   const auto metres = [&](int column, int row) {
+    column <<= dropped;
+    row <<= dropped;
     if (heights.is_void(column, row)) return std::numeric_limits<double>::quiet_NaN();
     // Rounded as terrain.vert rounds it, so that a vertex is the same from either.
     return static_cast<double>(static_cast<float>(heights.at(column, row)) *
@@ -143,6 +148,36 @@ float height_at(const SurfaceTile& tile, const LatticePoint& point) {
   height += (other - height) * high;
   if (low > 0) height += (metres(c + 1, r + 1) - other) * low;
   return static_cast<float>(height);
+}
+
+}  // namespace
+
+float height_at(const SurfaceTile& tile, const LatticePoint& point) {
+  return thinned_height_at(tile, point, 0);
+}
+
+ShownSurface ShownSurface::of(const SurfaceTile* tile, double detail) {
+  if (!tile) return {};
+  // With less than kMinLevel has, the end of the world would lie between samples.
+  const int level = tile->id.level, least = std::max(level - cells_log2_of(tile->heights->size), kMinLevel);
+  return {tile, std::clamp<double>(detail, least, level)};
+}
+
+int ShownSurface::whole_level() const {
+  return static_cast<int>(std::floor(detail));
+}
+
+float height_at(const ShownSurface& surface, const LatticePoint& point) {
+  const float finest = thinned_height_at(*surface.tile, point, 0);
+  const int dropped = surface.tile->id.level - surface.whole_level();
+  if (dropped == 0 || std::isnan(finest)) return finest;
+  const auto known = [&](int rows_dropped) {
+    const float height = thinned_height_at(*surface.tile, point, rows_dropped);
+    return std::isnan(height) ? finest : height;
+  };
+  const auto part = static_cast<float>(surface.detail - surface.whole_level());
+  const float coarse = known(dropped);
+  return part > 0 ? coarse + (known(dropped - 1) - coarse) * part : coarse;
 }
 
 }  // namespace cairn::gl

@@ -68,4 +68,21 @@ struct SurfaceTile {
 /// tile, edges included.
 float height_at(const SurfaceTile& tile, const LatticePoint& point);
 
+/// A tile's surface, shown with less detail than it has. At a whole level it is that of the ancestor of the
+/// level: samples nest, so it is the tile's own with only every 2nd, 4th, … row and column kept. Between two
+/// levels a height is that far between theirs.
+struct ShownSurface {
+  const SurfaceTile* tile = nullptr;  ///< null: height 0 everywhere
+  double detail = 0;  ///< the tile's level or less, but not so little that no cell is left of it
+
+  /// Of the tile with so much detail as it can be shown with, `detail` at most.
+  static ShownSurface of(const SurfaceTile* tile, double detail);
+  /// The finest level all of whose samples are shown as they are.
+  int whole_level() const;
+};
+
+/// The same of a shown surface. Where a sample of the coarser level is void, the finest height stands in.
+/// REQUIRES: there is a tile.
+float height_at(const ShownSurface& surface, const LatticePoint& point);
+
 }  // namespace cairn::gl

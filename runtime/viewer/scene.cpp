@@ -1,5 +1,6 @@
 #include "runtime/viewer/scene.h"
 
+#include <algorithm>
 #include <chrono>
 #include <iterator>
 #include <string>
@@ -74,7 +75,9 @@ void Scene::load_all(const ViewState& view) {
 }
 
 double Scene::ground_m(LonLat place) const {
-  return gl::drawn_ground_m(*list_, pack_->header().quantum_m, place).value_or(0);
+  const std::optional<double> listed = gl::drawn_ground_m(*list_, pack_->header().quantum_m, place);
+  const std::optional<double> drawn = renderer_.ground_m(place);
+  return std::max(listed.value_or(drawn.value_or(0)), drawn.value_or(listed.value_or(0)));
 }
 
 std::vector<Error> Scene::take_errors() {

@@ -28,7 +28,11 @@ class Scene {
   /// Draws no frame, but lets the terrain load until the view has all that the pack has for it.
   void load_all(const ViewState& view);
 
-  /// The ground as it is drawn, in metres; 0 where nothing is. After the first update.
+  /// The next frame has nothing to do with the last one: what it shows is not on its way from there.
+  void cut() { renderer_.cut(); }
+
+  /// The ground, in metres, that is drawn or will be when tiles have been exchanged, whichever is higher; 0
+  /// where nothing is. After the first update.
   double ground_m(LonLat place) const;
 
   const PackReader& pack() const { return *pack_; }

@@ -53,7 +53,7 @@ void split(const TileId& id, const TileId& towards, std::mt19937& random, std::v
   leaves.push_back(id);
 }
 
-/// Shows each leaf with its own tile, an ancestor's, or nothing.
+/// Shows each leaf with its own tile, an ancestor's, or nothing, and many with less detail than the tile has.
 std::vector<MeshArea> random_scene(const TileId& towards, std::mt19937& random, Surfaces& surfaces) {
   std::vector<TileId> leaves;
   split({kMinLevel, 0, 0}, towards, random, leaves);
@@ -67,7 +67,13 @@ std::vector<MeshArea> random_scene(const TileId& towards, std::mt19937& random, 
     const GeoBounds b = tile_bounds(leaf);
     const glm::dvec3 middle =
         to_geocentric({(b.west + b.east) / 2, std::min(90.0, (b.south + b.north) / 2)}, 0);
-    areas.push_back({leaf, surface, std::max(0.0, glm::length(middle - eye) - b.width() * 80000)});
+    MeshArea area{leaf, surface, std::max(0.0, glm::length(middle - eye) - b.width() * 80000)};
+    if (surface && random() % 2 == 0) {
+      const auto quarters = static_cast<double>(random() % (random() % 2 == 0 ? 6 : 36));
+      area.detail = surface->id.level - quarters / 4;
+      area.moves = random() % 2 == 0;
+    }
+    areas.push_back(area);
   }
   return areas;
 }
@@ -92,7 +98,7 @@ Vertex vertex_of(const GridPatch& patch, const PerimeterVertex& v) {
 }
 
 /// What terrain.vert draws for vertex k of a side.
-Vertex drawn_vertex(const MeshPlan& plan, const GridPatch& patch, const SurfaceTile* surface, unsigned side,
+Vertex drawn_vertex(const MeshPlan& plan, const GridPatch& patch, const MeshArea& area, unsigned side,
                     int k) {
   const int last = side < 2 ? patch.cells_east : patch.cells_north;
   if (patch.listed_sides >> side & 1) {
@@ -107,16 +113,16 @@ Vertex drawn_vertex(const MeshPlan& plan, const GridPatch& patch, const SurfaceT
   const int row = side >= 2 ? moved : side == 0 ? 0 : patch.cells_north;
   const LatticePoint corner = south_west_of(patch.area);
   const std::int64_t step = lattice_width(patch.area.level + patch.cells_log2);
-  const float height = height_at(*surface, {corner.x + column * step, corner.y + row * step});
+  const auto surface = ShownSurface::of(area.surface, area.detail);
+  const float height = height_at(surface, {corner.x + column * step, corner.y + row * step});
   return vertex_of(patch, {static_cast<std::uint16_t>(column), static_cast<std::uint16_t>(row), height});
 }
 
 /// Counts the edges of a patch's rim, without those along a pole.
-void add_rim(const MeshPlan& plan, const GridPatch& patch, const SurfaceTile* surface, EdgeCount& edges) {
+void add_rim(const MeshPlan& plan, const GridPatch& patch, const MeshArea& area, EdgeCount& edges) {
   for (unsigned side = 0; side < 4; ++side) {
     for (int k = 0; k < patch.cells(); ++k) {
-      Vertex a = drawn_vertex(plan, patch, surface, side, k),
-             b = drawn_vertex(plan, patch, surface, side, k + 1);
+      Vertex a = drawn_vertex(plan, patch, area, side, k), b = drawn_vertex(plan, patch, area, side, k + 1);
       if (a == b) continue;
       const bool pole = a.at.y == b.at.y && (a.at.y == 0 || a.at.y == kLatticePoleToPole);
       if (pole) continue;
@@ -146,7 +152,7 @@ TEST_CASE("every edge of every grid's rim is an edge of one other grid's rim, to
       const MeshPlan plan = plan_mesh(areas, rules);
       REQUIRE(plan.patches.size() >= areas.size());
       EdgeCount edges;
-      for (const GridPatch& patch : plan.patches) add_rim(plan, patch, areas[patch.from].surface, edges);
+      for (const GridPatch& patch : plan.patches) add_rim(plan, patch, areas[patch.from], edges);
       int unmatched = 0;
       for (const auto& [edge, count] : edges) unmatched += count != 2;
       CHECK(unmatched == 0);
@@ -220,6 +226,29 @@ TEST_CASE("decimation errors bound the distance to the decimated surface, and ar
     CAPTURE(k);
     CHECK(worst <= static_cast<double>(errors[static_cast<std::size_t>(k)]) * (1 + 1e-6));
     if (k == 1) CHECK(worst == Approx(errors[1]));
+  }
+}
+
+TEST_CASE(
+    "a surface shown with less detail is its ancestor's at a whole level, and between two levels between "
+    "them") {
+  Surfaces surfaces;
+  const TileId id = tile_at({10.3, 45.7}, 4);
+  const SurfaceTile* tile = surfaces.get(id);
+  const LatticePoint corner = south_west_of(id);
+  std::mt19937 random(1);
+  for (int i = 0; i < 5000; ++i) {
+    const auto along = [&] {
+      return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(lattice_width(4)));
+    };
+    const LatticePoint point{corner.x + along(), corner.y + along()};
+    const int level = 4 - static_cast<int>(random() % 6);
+    const auto shown = [&](double detail) {
+      return static_cast<double>(height_at(ShownSurface::of(tile, detail), point));
+    };
+    const auto ancestor = static_cast<double>(height_at(*surfaces.get(ancestor_of(id, level)), point));
+    REQUIRE(shown(level) == Approx(ancestor).margin(1e-3));
+    REQUIRE(shown(level - 0.25) == Approx(0.75 * ancestor + 0.25 * shown(level - 1)).margin(1e-3));
   }
 }
 

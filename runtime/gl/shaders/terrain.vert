@@ -18,7 +18,7 @@ struct Patch {
   int imagery_layer;
   float imagery_scale;
   int level;
-  int unused;
+  float dropped;  // levels less than the source has
 };
 struct PerimeterVertex {
   uint column_row;  // 16 bits each
@@ -68,24 +68,38 @@ float metres(Patch p, uint texel) {
   return height;
 }
 
-// NaN for a void would not survive every driver: the flag is apart.
-float sampled_height(Patch p, uvec2 vertex, out bool is_void) {
-  is_void = false;
-  if (p.height_layer < 0) return 0.0;
-  vec2 at = p.height_origin + vec2(vertex) * p.height_step;
+// The height at a place of the source with every 2^rows-th row and column kept, on the triangles between the samples, as
+// gl::height_at(). NaN for a void would not survive every driver: the flag is apart.
+float thinned_height(Patch p, vec2 place, int rows, out bool is_void) {
+  vec2 at = ldexp(place, ivec2(-rows));
   ivec2 low = ivec2(floor(at));
   vec2 part = at - vec2(low);
-  uint sw = texel(p, low);
+  uint sw = texel(p, low << rows);
   if (part == vec2(0)) {
     is_void = sw == kVoidTexel;
     return metres(p, sw);
   }
-  // On the triangles between the samples, as gl::height_at().
   bool east = part.x > part.y;
-  uint other = texel(p, low + (east ? ivec2(1, 0) : ivec2(0, 1))), ne = texel(p, low + ivec2(1, 1));
+  uint other = texel(p, (low + (east ? ivec2(1, 0) : ivec2(0, 1))) << rows), ne = texel(p, (low + 1) << rows);
   float far = max(part.x, part.y), near = min(part.x, part.y);
   is_void = max(sw, max(far > near ? other : sw, near > 0.0 ? ne : sw)) == kVoidTexel;
   return metres(p, sw) + (metres(p, other) - metres(p, sw)) * far + (metres(p, ne) - metres(p, other)) * near;
+}
+
+// With as much detail as is shown, as gl::height_at() of a ShownSurface.
+float sampled_height(Patch p, uvec2 vertex, out bool is_void) {
+  is_void = false;
+  if (p.height_layer < 0) return 0.0;
+  vec2 place = p.height_origin + vec2(vertex) * p.height_step;
+  float finest = thinned_height(p, place, 0, is_void);
+  if (p.dropped == 0.0 || is_void) return finest;
+  int rows = int(ceil(p.dropped));
+  bool unknown;
+  float coarse = thinned_height(p, place, rows, unknown);
+  if (unknown) coarse = finest;
+  float fine = thinned_height(p, place, rows - 1, unknown);
+  if (unknown) fine = finest;
+  return coarse + (fine - coarse) * (float(rows) - p.dropped);
 }
 
 // The entry of a vertex on a listed side, -1 where it is on none.
