@@ -2,11 +2,13 @@
 
 #include <cmath>
 #include <cstddef>
+#include <unordered_map>
 
 namespace cairn::gl {
 namespace {
 
-static_assert(sizeof(PatchRecord) == 80 && offsetof(PatchRecord, height_origin) == 48);
+static_assert(sizeof(PatchRecord) == 144 && offsetof(PatchRecord, across) == 80 &&
+              offsetof(PatchRecord, height_origin) == 48);
 static_assert(sizeof(PerimeterVertex) == 8);
 
 /// Where the south-west corner of an area lies in a tile that covers it, 0…1, and the area's share of a side.
@@ -48,10 +50,50 @@ void show_imagery(const RenderTile& tile, const GridPatch& grid, ResidentTiles& 
   record.imagery_scale = static_cast<float>(window.scale);
 }
 
+constexpr float kFiner = -1;
+/// The layers of the normal maps that a frame shows, by source; kFiner for what only finer ones show.
+using ShownLayers = std::unordered_map<TileId, float>;
+
+ShownLayers layers_of(std::span<const ShownTile* const> tiles, ResidentTiles& resident) {
+  ShownLayers layers;
+  for (const ShownTile* shown : tiles) {
+    const ResidentHeights* heights = resident.heights_of(shown->tile);
+    if (!heights) continue;
+    TileId id = heights->surface.id;
+    layers[id] = static_cast<float>(resident.height_layer(*heights));
+    while (id.level > kMinLevel) {
+      id = parent_of(id);
+      if (!layers.emplace(id, kFiner).second) break;
+    }
+  }
+  return layers;
+}
+
+/// What lies across a side: the source of the same level, or the finest coarser one.
+glm::vec4 across(const TileId& source, std::int32_t dx, std::int32_t dy, const ShownLayers& layers) {
+  const TileId beside = neighbour_of(source, dx, dy);
+  for (TileId id = beside; is_valid(id); id = parent_of(id)) {
+    if (const auto found = layers.find(id); found != layers.end()) {
+      // The source's corner, as if the neighbour lay beside it also where the world is joined.
+      const Window window = window_in(id, beside);
+      return {window.x - dx * window.scale, window.y - dy * window.scale, window.scale, found->second};
+    }
+    if (id.level == kMinLevel) break;
+  }
+  return glm::vec4(kFiner);
+}
+
+std::array<glm::vec4, 4> all_across(const TileId& source, const ShownLayers& layers) {
+  return {across(source, 0, -1, layers), across(source, 0, 1, layers), across(source, -1, 0, layers),
+          across(source, 1, 0, layers)};
+}
+
 }  // namespace
 
 std::vector<PatchRecord> patch_records(const MeshPlan& plan, std::span<const ShownTile* const> tiles,
                                        ResidentTiles& resident, ColumnBuffer& columns, RowBuffer& rows) {
+  const ShownLayers layers = layers_of(tiles, resident);
+  std::unordered_map<TileId, std::array<glm::vec4, 4>> neighbours;  // of sources
   std::vector<PatchRecord> records;
   records.reserve(plan.patches.size());
   for (const GridPatch& grid : plan.patches) {
@@ -65,6 +107,12 @@ std::vector<PatchRecord> patch_records(const MeshPlan& plan, std::span<const Sho
     record.listed_sides = grid.listed_sides;
     record.level = grid.area.level;
     show_heights(*tiles[grid.from], grid, resident, record);
+    if (record.height_layer >= 0) {
+      const TileId& source = tiles[grid.from]->tile.heights_id;
+      const auto [known, fresh] = neighbours.try_emplace(source);
+      if (fresh) known->second = all_across(source, layers);
+      record.across = known->second;
+    }
     show_imagery(tiles[grid.from]->tile, grid, resident, record);
     records.push_back(record);
   }

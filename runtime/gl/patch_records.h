@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
 
 #include "runtime/gl/axis_buffer.h"
 #include "runtime/gl/mesh_plan.h"
@@ -33,6 +35,10 @@ struct PatchRecord {
   float imagery_scale = 1;
   std::int32_t level = 0;
   float dropped = 0;  // of ShownSurface: how many levels less are shown than the source has
+  /// Of the normal maps across the source's sides (south, north, west, east): where the source's south-west
+  /// corner lies in it, 0…1, the source's share of its side, and its layer; a layer < 0 where there is none
+  /// as coarse as the source or coarser.
+  std::array<glm::vec4, 4> across{glm::vec4(-1), glm::vec4(-1), glm::vec4(-1), glm::vec4(-1)};
 };
 
 /// A record for each patch of a plan; `tiles` are those that its areas were made of.

@@ -9,6 +9,8 @@
 #include "runtime/gl/drawn_ground.h"
 #include "runtime/gl/grid_batch.h"
 #include "runtime/gl/mesh_plan.h"
+#include "runtime/gl/method_batch.h"
+#include "runtime/gl/method_scene.h"
 #include "runtime/gl/patch_records.h"
 #include "runtime/gl/resident_tiles.h"
 #include "runtime/gl/shader_program.h"
@@ -27,7 +29,8 @@ enum Location : GLint {
   kEyeHeight = 5,
   kLook = 6,
   kQuantum = 7,
-  kHorizon = 8
+  kHorizon = 8,
+  kIsGiven = 9
 };
 enum LookBits : GLuint { kLevelColours = 1, kFog = 2 };
 
@@ -43,22 +46,32 @@ struct Renderer::State {
   ColumnBuffer columns;
   RowBuffer rows;
   GridBatch batch;
+  MethodBatch method_batch;
+  const LodMethodInfo* method_info = nullptr;  // of the method, which is kept from frame to frame
+  std::unique_ptr<LodMethod> method;
   Program terrain;
   Program sky;
   VertexArray no_vertices = make_vertex_array();
 
+  ShownTiles::SurfaceOf surfaces();
   std::vector<const ShownTile*> load_visible(const RenderList& list, const FrameScale& scale);
   MeshPlan plan(std::span<const ShownTile* const> seen, const ViewState& view, const FrameScale& scale,
                 const CameraFrame& camera);
+  LodMesh method_mesh(const LodMethodInfo& info, const LodScene& scene, const ViewState& view,
+                      double tolerance_px);
   void set_uniforms(const CameraFrame& camera, const ViewState& view, const FrameLook& look);
   void draw_sky(const CameraFrame& camera, const ViewState& view);
 };
 
-std::vector<const ShownTile*> Renderer::State::load_visible(const RenderList& list, const FrameScale& scale) {
-  shown.update(list, scale, [this](const RenderTile& tile) {
+ShownTiles::SurfaceOf Renderer::State::surfaces() {
+  return [this](const RenderTile& tile) {
     const ResidentHeights* heights = tiles.heights_of(tile);
     return heights ? &heights->surface : nullptr;
-  });
+  };
+}
+
+std::vector<const ShownTile*> Renderer::State::load_visible(const RenderList& list, const FrameScale& scale) {
+  shown.update(list, scale, surfaces());
   tiles.begin_frame(list.evicted, shown.tiles());
   std::vector<const ShownTile*> seen;
   for (const ShownTile& each : shown.tiles()) {
@@ -88,12 +101,23 @@ MeshPlan Renderer::State::plan(std::span<const ShownTile* const> seen, const Vie
   return plan_mesh(areas, rules);
 }
 
+LodMesh Renderer::State::method_mesh(const LodMethodInfo& info, const LodScene& scene, const ViewState& view,
+                                     double tolerance_px) {
+  if (method_info != &info) {
+    method_info = &info;
+    method = info.create({});
+  }
+  method->prepare(scene);
+  return method->build(scene, {view, tolerance_px, true});
+}
+
 void Renderer::State::set_uniforms(const CameraFrame& camera, const ViewState& view, const FrameLook& look) {
   const GLuint program = terrain.name();
   const glm::mat4 clip(clip_from_eye(camera, view));
   glProgramUniform3d(program, kEye, camera.position.x, camera.position.y, camera.position.z);
   glProgramUniformMatrix4fv(program, kClip, 1, GL_FALSE, glm::value_ptr(clip));
   glProgramUniform1ui(program, kCells, static_cast<GLuint>(cells_log2_of(tiles.tile_size())));
+  glProgramUniform1i(program, kIsGiven, look.method ? 1 : 0);
   glProgramUniform1f(program, kQuantum, static_cast<float>(quantum_m));
   const glm::vec4 horizon(horizon_plane(camera.position));
   glProgramUniform4f(program, kHorizon, horizon.x, horizon.y, horizon.z, horizon.w);
@@ -164,12 +188,22 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
   const FrameScale scale{camera.position, 1 / pixel_footprint_m(view, 1), look.tolerance_px};
   s.columns.begin_frame();
   s.rows.begin_frame();
+  if (look.method) s.shown.cut();
   const std::vector<const ShownTile*> seen = s.load_visible(list, scale);
   counts.uploads = s.tiles.uploads();
   counts.upload_ms = thread_cpu_ms() - begin;
-  // 2. The grids, and what they show.
-  const MeshPlan plan = s.plan(seen, view, scale, camera);
-  const std::vector<PatchRecord> records = patch_records(plan, seen, s.tiles, s.columns, s.rows);
+  // 2. The grids, or a method's mesh, and what they show.
+  LodMesh mesh;
+  MethodScene scene;
+  MeshPlan plan;
+  if (look.method) {
+    scene = method_scene(seen, s.surfaces(), s.tiles.tile_size(), s.quantum_m);
+    mesh = s.method_mesh(*look.method, scene.scene, view, look.tolerance_px);
+  } else {
+    plan = s.plan(seen, view, scale, camera);
+  }
+  const std::vector<PatchRecord> records =
+      patch_records(look.method ? scene.windows : plan, seen, s.tiles, s.columns, s.rows);
   counts.patches = records.size();
   // 3. Draw: terrain, then the sky where nothing is.
   s.set_uniforms(camera, view, look);
@@ -179,8 +213,11 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
   glPolygonMode(GL_FRONT_AND_BACK, look.wireframe ? GL_LINE : GL_FILL);
   glUseProgram(s.terrain.name());
   s.tiles.bind();
-  if (!records.empty())
+  if (look.method) {
+    counts.triangles = s.method_batch.draw(mesh, scene.scene, records, camera.position, look.draws);
+  } else if (!records.empty()) {
     counts.triangles = s.batch.draw(records, plan.perimeter, s.columns, s.rows, look.draws);
+  }
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glDisable(GL_CLIP_DISTANCE0);
   glDisable(GL_CLIP_DISTANCE1);

@@ -10,6 +10,7 @@
 #include "format/status.h"
 #include "runtime/gl/height_upload.h"
 #include "runtime/gl/view_transform.h"
+#include "runtime/lod_method.h"
 #include "runtime/render_list.h"
 #include "runtime/view_state.h"
 
@@ -21,9 +22,11 @@ struct FrameLook {
   std::optional<glm::vec3> hole_colour;  ///< linear RGB: drawn where no terrain is, instead of the sky
   bool fog = true;
   bool wireframe = false;
-  bool level_colours = false;  ///< a colour for each level instead of imagery or tint
-  double tolerance_px = 1;     ///< screen error that the mesh may add to the tiles' own; > 0
-  bool draws = true;           ///< false: all of a frame's work but the draw calls, to measure it
+  bool level_colours = false;             ///< a colour for each level instead of imagery or tint
+  double tolerance_px = 1;                ///< screen error that the mesh may add to the tiles' own; > 0
+  const LodMethodInfo* method = nullptr;  ///< draws a method's mesh instead of the renderer's own: on one
+                                          ///< thread, tiles exchanged at once, so for comparing pictures
+  bool draws = true;  ///< false: all of a frame's work but the draw calls, to measure it
 };
 
 /// What a frame took.

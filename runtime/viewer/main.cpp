@@ -39,6 +39,9 @@ void declare(CLI::App& app, cairn::viewer::Options& o) {
   app.add_option("--tolerance", o.tolerance_px, "pixels of error that the mesh may add")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
+  app.add_option(
+      "--method", o.method,
+      "draw the mesh of this level-of-detail method, as cairn lab has them (default: the renderer's own)");
   app.add_option("--cache", o.cache_mib, "MiB of tiles in memory")->capture_default_str();
   app.add_flag("--no-fog", o.no_fog, "clear air");
   app.add_flag("--wireframe", o.wireframe, "the mesh's edges");

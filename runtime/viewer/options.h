@@ -26,6 +26,7 @@ struct Options {
   std::string hole_colour;
   double hour = 10;
   double tolerance_px = 1;
+  std::string method;  ///< of lod_methods(); empty: the renderer's own mesh
   std::uint64_t cache_mib = 512;
   bool no_fog = false;
   bool wireframe = false;

@@ -84,6 +84,13 @@ bool draw_settings(PanelState& state, gl::FrameLook& look) {
   if (ImGui::SliderFloat("pixels of error", &tolerance, 0.1f, 20, "%.1f")) {
     look.tolerance_px = std::max(0.01, static_cast<double>(tolerance));
   }
+  if (ImGui::BeginCombo("mesh", look.method ? std::string(look.method->name).c_str() : "own")) {
+    if (ImGui::Selectable("own", !look.method)) look.method = nullptr;
+    for (const LodMethodInfo* method : lod_methods()) {
+      if (ImGui::Selectable(std::string(method->name).c_str(), look.method == method)) look.method = method;
+    }
+    ImGui::EndCombo();
+  }
   ImGui::InputScalarN("##place", ImGuiDataType_Double, state.go_to.data(), 3, nullptr, nullptr, "%.5f");
   ImGui::SameLine();
   return ImGui::Button("go");

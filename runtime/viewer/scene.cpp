@@ -25,6 +25,14 @@ std::vector<Error> missing_layers(const std::string& name, const PackReader& pac
   return missing;
 }
 
+Error unknown_method(const std::string& name) {
+  std::string names;
+  for (const LodMethodInfo* method : lod_methods()) {
+    names += (names.empty() ? "" : ", ") + std::string(method->name);
+  }
+  return usage_error("--method: expected one of " + names + ", found " + name);
+}
+
 }  // namespace
 
 Scene::Scene(std::shared_ptr<const PackReader> pack, std::unique_ptr<gl::HeightUploads> uploads,
@@ -95,6 +103,10 @@ Result<gl::FrameLook> look_of(const Options& options) {
   look.level_colours = options.levels;
   look.draws = !options.no_draw;
   look.tolerance_px = options.tolerance_px;
+  if (!options.method.empty()) {
+    look.method = lod_method(options.method);
+    if (!look.method) return unknown_method(options.method);
+  }
   if (!options.hole_colour.empty()) {
     const Result<glm::vec3> colour = parse_colour(options.hole_colour);
     if (!colour) return colour.error();

@@ -86,6 +86,7 @@ TEST_CASE("cairn view refuses what it cannot do in one line, by exit code") {
   CHECK(code({pack, "--camera=1,95,3,0,0", "--screenshot", png}) == 2);
   CHECK(code({pack, "--size", "0x10", "--screenshot", png}) == 2);
   CHECK(code({pack, "--hole-colour", "mauve", "--screenshot", png}) == 2);
+  CHECK(code({pack, "--method", "best", "--screenshot", png}) == 2);
   CHECK(code({pack, "--cache", "1", "--screenshot", png}) == 2);
   CHECK(code({pack, "--no-such-option"}) == 2);
   CHECK(code({(dir.path() / "absent.cairn").string(), "--screenshot", png}) != 0);
@@ -95,6 +96,30 @@ TEST_CASE("cairn view refuses what it cannot do in one line, by exit code") {
   std::ofstream(dir.path() / "bad.json") << "{}";
   CHECK(code({pack, "--flight", (dir.path() / "bad.json").string(), "--stats",
               (dir.path() / "s.csv").string()}) == 3);
+}
+
+TEST_CASE(
+    "cairn view --method draws another mesh of the same ground, and names the methods where it is none") {
+  const TempDir dir;
+  const std::string pack = hill_pack(dir), png = (dir.path() / "a.png").string(),
+                    own = (dir.path() / "own.png").string();
+  const Ran ran = run_cairn({"view", pack, kCamera, "--method", "soar", "--tolerance", "4", "--size",
+                             "200x150", "--screenshot", png});
+  INFO(ran.err);
+  REQUIRE(ran.exit_code == 0);
+  CHECK(png_size(png) == "200x150");
+  REQUIRE(run_cairn({"view", pack, kCamera, "--tolerance", "4", "--wireframe", "--size", "200x150",
+                     "--screenshot", own})
+              .exit_code == 0);
+  REQUIRE(run_cairn({"view", pack, kCamera, "--method", "soar", "--tolerance", "4", "--wireframe", "--size",
+                     "200x150", "--screenshot", png})
+              .exit_code == 0);
+  CHECK(read_bytes(png) != read_bytes(own));
+  const Ran none = run_cairn({"view", pack, "--method", "best", "--screenshot", png});
+  CHECK(is_one_line(none.err));
+  for (const char* name : {"block", "cairn", "full", "geomip", "quadtree", "rqt", "soar"}) {
+    CHECK(none.err.find(name) != std::string::npos);
+  }
 }
 
 TEST_CASE("cairn view --flight writes a picture and a row of statistics a frame") {

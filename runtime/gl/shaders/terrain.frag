@@ -20,6 +20,7 @@ layout(location = 3) flat in vec4 heights_window;
 layout(location = 4) flat in vec4 imagery_window;
 layout(location = 5) flat in ivec4 patch_facts;
 layout(location = 6) flat in vec2 patch_extent;
+layout(location = 7) flat in vec4 across[4];  // south, north, west, east
 
 layout(location = 0) out vec4 colour;
 
@@ -83,10 +84,25 @@ vec3 surface_colour() {
   return mix(plain, texel.rgb, texel.a);
 }
 
+// The east and north parts of a normal map's normal; the window is where the place's map lies in it.
+vec2 mapped_normal(vec4 window, vec2 place) {
+  float scale = window.z * heights_window.z;
+  return textureGrad(normal_map, vec3(window.xy + place * window.z, window.w), dFdx(patch_place) * scale,
+                     dFdy(patch_place) * scale).rg;
+}
+
+// Beyond the middle of a map's outermost texels the filter has none to mix them with: those across the side are mixed in,
+// half at the side, as the filter would, and all of a coarser one's, whose own side stays as it is.
 vec3 normal_east_north_up() {
   if (!has_heights()) return vec3(0, 0, 1);
-  vec3 at = vec3(heights_window.xy + within_patch() * heights_window.z, heights_window.w);
-  vec2 n = textureGrad(normal_map, at, dFdx(patch_place) * heights_window.z, dFdy(patch_place) * heights_window.z).rg;
+  vec2 place = heights_window.xy + within_patch() * heights_window.z;
+  vec2 n = mapped_normal(vec4(0, 0, 1, heights_window.w), place);
+  vec4 texels = vec4(place.y, 1.0 - place.y, place.x, 1.0 - place.x) * exp2(float(tile_cells_log2));
+  for (int side = 0; side < 4; ++side) {
+    if (across[side].w < 0.0) continue;
+    float share = (across[side].z < 1.0 ? 1.0 : 0.5) - texels[side];
+    if (share > 0.0) n = mix(n, mapped_normal(across[side], place), share);
+  }
   return vec3(n, sqrt(max(0.0, 1.0 - dot(n, n))));
 }
 

@@ -19,6 +19,7 @@ struct Patch {
   float imagery_scale;
   int level;
   float dropped;  // levels less than the source has
+  vec4 across[4];  // south, north, west, east: the source's window in the normal map across that side; layer, < 0: none
 };
 struct PerimeterVertex {
   uint column_row;  // 16 bits each
@@ -37,7 +38,11 @@ layout(location = 2) uniform uint tile_cells_log2;
 layout(location = 7) uniform float quantum;
 layout(location = 8) uniform vec4 horizon;  // a plane that the Earth's far side lies behind
 
+layout(location = 9) uniform bool is_given;  // vertices are a level-of-detail method's, not those of a grid
+
 layout(location = 0) in uint patch_index;
+layout(location = 1) in vec3 given_from_eye;
+layout(location = 2) in vec3 given_place_and_height;
 
 layout(location = 0) out vec2 patch_place;  // 0…1 from the south-west corner
 layout(location = 1) out vec3 from_eye;
@@ -48,6 +53,7 @@ layout(location = 3) flat out vec4 heights_window;  // origin and scale in the s
 layout(location = 4) flat out vec4 imagery_window;
 layout(location = 5) flat out ivec4 patch_facts;  // imagery's array, heights' base and shift, level
 layout(location = 6) flat out vec2 patch_extent;  // what of 0…1 is in the world
+layout(location = 7) flat out vec4 across[4];
 
 out gl_PerVertex {
   vec4 gl_Position;
@@ -114,43 +120,55 @@ int listed_entry(uvec2 v, Patch p, uint cells) {
   return -1;
 }
 
-void main() {
-  Patch p = patches[patch_index];
+// Sets the place, the height and the position of a grid's vertex; whether it is void.
+bool take_from_grid(Patch p) {
   uint cells = 1u << p.cells_log2;
   uvec2 v = uvec2(uint(gl_VertexID) % (cells + 1u), uint(gl_VertexID) / (cells + 1u));
   v = min(v, uvec2(p.cells_east, p.cells_north));
-  float h;
   bool is_void;
   int entry_of_side = listed_entry(v, p, cells);
   if (entry_of_side >= 0) {
     PerimeterVertex on_side = perimeter[entry_of_side];
     v = uvec2(on_side.column_row & 65535u, on_side.column_row >> 16);
-    h = on_side.height;
-    is_void = isnan(h);
+    height = on_side.height;
+    is_void = isnan(height);
   } else {
-    h = sampled_height(p, v, is_void);
+    height = sampled_height(p, v, is_void);
   }
-  if (is_void) h = 0.0;
+  if (is_void) height = 0.0;
+  patch_place = vec2(v) / float(cells);
 
   // Doubles until the eye is subtracted: a float at the Earth's radius has steps of half a metre. The same
   // entries and the same operations give the same bits for a vertex of any patch.
   uvec2 entry = v << (tile_cells_log2 - p.cells_log2);
   dvec2 column = columns[p.column_table + entry.x];
   dvec4 row = rows[p.row_table + entry.y];
-  double hd = double(h);
+  double hd = double(height);
   precise double from_axis = row.x + hd * row.y;
   precise dvec3 relative = dvec3(from_axis * column.x - eye.x, from_axis * column.y - eye.y,
                                  (row.z + hd * row.w) - eye.z);
   from_eye = vec3(relative);
+  return is_void;
+}
+
+void main() {
+  Patch p = patches[patch_index];
+  bool is_void = false;
+  if (is_given) {
+    from_eye = given_from_eye;
+    patch_place = given_place_and_height.xy;
+    height = given_place_and_height.z;
+  } else {
+    is_void = take_from_grid(p);
+  }
   precise vec4 clip = clip_from_eye * vec4(from_eye, 1.0);
   gl_Position = clip;
   gl_ClipDistance[0] = is_void ? -1e9 : 1.0;
   gl_ClipDistance[1] = dot(horizon.xyz, from_eye) + horizon.w;
-  patch_place = vec2(v) / float(cells);
-  patch_extent = vec2(p.cells_east, p.cells_north) / float(cells);
-  height = h;
-  float tile_cells = exp2(float(tile_cells_log2));
-  heights_window = vec4(p.height_origin / tile_cells, float(cells) * p.height_step / tile_cells, float(p.height_layer));
+  float cells = float(1u << p.cells_log2), tile_cells = exp2(float(tile_cells_log2));
+  patch_extent = vec2(p.cells_east, p.cells_north) / cells;
+  heights_window = vec4(p.height_origin / tile_cells, cells * p.height_step / tile_cells, float(p.height_layer));
   imagery_window = vec4(p.imagery_origin, p.imagery_scale, float(p.imagery_layer));
+  across = p.across;
   patch_facts = ivec4(p.imagery_array, p.height_base, p.height_shift, p.level);
 }
