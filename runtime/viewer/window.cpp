@@ -47,7 +47,8 @@ class Session {
       panel_.frame_index = (panel_.frame_index + 1) % static_cast<int>(panel_.frame_ms.size());
       int width = 0, height = 0;
       glfwGetFramebufferSize(window_, &width, &height);
-      if (width < 1 || height < 1) {  // minimised
+      // Minimised, some systems say a size of 0 and others the one from before.
+      if (width < 1 || height < 1 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED)) {
         glfwWaitEventsTimeout(0.1);
         continue;
       }

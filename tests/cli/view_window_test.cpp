@@ -12,7 +12,9 @@
 
 namespace cairn::test {
 
-TEST_CASE("a window obeys its keys, shows what a screenshot shows, and survives being one pixel large") {
+TEST_CASE(
+    "a window obeys its keys, shows what a screenshot shows, and survives being one pixel large and "
+    "minimised") {
   const TempDir dir;
   const std::string pack = (dir.path() / "hills.cairn").string(), camera = "28.5,37.2,9000,0,-40";
   std::vector<TileId> tiles;
@@ -36,8 +38,9 @@ TEST_CASE("a window obeys its keys, shows what a screenshot shows, and survives 
   const auto picture = [&](const char* name) { return read_bytes(dir.path() / name); };
   CHECK(picture("first.png") == read_bytes(png));
   CHECK(picture("wireframe.png") != picture("first.png"));  // F4
-  CHECK(picture("again.png") == picture("first.png"));      // F4 again, after the window was one pixel large
-  CHECK(picture("ahead.png") != picture("first.png"));      // W
+  CHECK(picture("again.png") ==
+        picture("first.png"));  // F4 again, after it was one pixel large and minimised
+  CHECK(picture("ahead.png") != picture("first.png"));  // W
 }
 
 }  // namespace cairn::test
