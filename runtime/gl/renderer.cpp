@@ -200,6 +200,8 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
     scene = method_scene(seen, s.surfaces(), s.tiles.tile_size(), s.quantum_m);
     mesh = s.method_mesh(*look.method, scene.scene, view, look.tolerance_px);
   } else {
+    s.method_info = nullptr;
+    s.method.reset();
     plan = s.plan(seen, view, scale, camera);
   }
   const std::vector<PatchRecord> records =
