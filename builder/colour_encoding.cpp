@@ -1,6 +1,7 @@
 #include "builder/colour_encoding.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -23,6 +24,21 @@ std::uint8_t to_8_bits(unsigned value, int bits) {
   return static_cast<std::uint8_t>((std::min(value, most) * 255 + most / 2) / most);
 }
 
+void expand_opaque(const std::uint8_t* from, std::size_t stride, std::size_t count, std::uint8_t* rgba) {
+  static_assert(std::endian::native == std::endian::little);
+  std::size_t i = 0;
+  // Four bytes at once, the last of which is the next pixel's.
+  for (; i + 1 < count; ++i, from += stride, rgba += 4) {
+    std::uint32_t pixel = 0;
+    std::memcpy(&pixel, from, sizeof pixel);
+    pixel |= 0xFF000000U;
+    std::memcpy(rgba, &pixel, sizeof pixel);
+  }
+  if (i == count) return;
+  std::memcpy(rgba, from, 3);
+  rgba[3] = 255;
+}
+
 }  // namespace
 
 bool is_plain_rgb(const ColourEncoding& e) {
@@ -40,8 +56,9 @@ void expand_rgb(const ColourEncoding& encoding, const std::byte* samples, std::s
   const double nodata = encoding.nodata.value_or(-1);
   const bool has_nodata = nodata >= 0 && nodata <= 255 && nodata == std::floor(nodata);
   const auto absent = static_cast<std::uint8_t>(has_nodata ? nodata : 0);
+  if (!has_nodata) return expand_opaque(from, stride, count, rgba);
   for (std::size_t i = 0; i < count; ++i, from += stride, rgba += 4) {
-    const bool is_absent = has_nodata && from[0] == absent && from[1] == absent && from[2] == absent;
+    const bool is_absent = from[0] == absent && from[1] == absent && from[2] == absent;
     rgba[0] = from[0];
     rgba[1] = from[1];
     rgba[2] = from[2];

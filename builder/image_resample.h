@@ -14,6 +14,7 @@ struct ResampledImage {
   int column = 0;  ///< of the part in the window
   int row = 0;
   LinearImage texels;       ///< empty where a texel's centre lies outside the image
+  bool is_opaque = false;   ///< where true, no texel has less than all coverage
   std::vector<float> rims;  ///< pixels from a texel's centre to the image's rim, where they were asked for
 };
 

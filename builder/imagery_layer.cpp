@@ -1,10 +1,21 @@
 #include "builder/imagery_layer.h"
 
 #include <algorithm>
+#include <cstring>
+#include <utility>
 
 #include "builder/texture_tile_bake.h"
 
 namespace cairn {
+
+namespace {
+
+// Row r of a quarter of the image; bit 0 of the quadrant is east, bit 1 north.
+LinearTexel* quadrant_row(LinearImage& image, int quadrant, int r) {
+  return image.row((quadrant & 2 ? 0 : image.rows / 2) + r) + (quadrant & 1) * (image.columns / 2);
+}
+
+}  // namespace
 
 Result<BakedTexture> ImageryLayer::bake_leaf(const TileId& id) const {
   auto padded = mosaic_.sample(texels_of(id, size_, TileRim::kRim));
@@ -14,8 +25,10 @@ Result<BakedTexture> ImageryLayer::bake_leaf(const TileId& id) const {
   if (is_empty(*padded)) return baked;
   LinearImage half = halved(*padded);
   baked.rim = TileRim::cut(*padded, half);
-  baked.image = without_margin(std::move(*padded), TileRim::kRim);
-  baked.half = without_margin(std::move(half), TileRim::kRim / 2);
+  baked.image = std::move(*padded);
+  baked.image.drop_margin(TileRim::kRim);
+  baked.half = std::move(half);
+  baked.half.drop_margin(TileRim::kRim / 2);
   if (!is_empty(baked.image)) return baked;
   BakedTexture empty;
   empty.id = id;
@@ -31,17 +44,22 @@ BakedTexture ImageryLayer::open_parent(const TileId& id) const {
 void ImageryLayer::take(const BakedTexture& child, BakedTexture& parent) const {
   parent.has_stored = parent.has_stored || child.has_stored;
   const LinearImage& half = child.half;
-  if (half.texels.empty()) return;
-  if (parent.image.texels.empty()) parent.image = LinearImage(size_, size_);
+  if (!half.is_set()) return;
+  if (!parent.image.is_set()) parent.image = LinearImage::unset(size_, size_);
   const int q = quadrant_of(child.id);
   for (int r = 0; r < half.rows; ++r)
-    std::copy_n(half.row(r), half.columns,
-                parent.image.row((q & 2 ? 0 : half.rows) + r) + (q & 1) * half.columns);
+    std::copy_n(half.row(r), half.columns, quadrant_row(parent.image, q, r));
   parent.child_rims[static_cast<std::size_t>(q)] = child.rim;
+  parent.child_mips[static_cast<std::size_t>(q)] = child.mips;
 }
 
 void ImageryLayer::close_parent(BakedTexture& parent) const {
-  if (parent.image.texels.empty()) return;
+  if (!parent.image.is_set()) return;
+  for (int q = 0; q < 4; ++q) {
+    if (!parent.child_rims[static_cast<std::size_t>(q)].is_empty()) continue;
+    for (int r = 0; r < size_ / 2; ++r)
+      std::fill_n(quadrant_row(parent.image, q, r), size_ / 2, LinearTexel{});
+  }
   parent.half = halved(parent.image);
   std::array<const TileRim*, 4> rims{};
   for (std::size_t q = 0; q < 4; ++q) rims[q] = &parent.child_rims[q];
@@ -52,14 +70,15 @@ void ImageryLayer::close_parent(BakedTexture& parent) const {
 // A tile finer than all images that touch it serves its ancestors only: the runtime draws those.
 Result<std::optional<TileBlock>> ImageryLayer::settle(BakedTexture& tile) const {
   const bool too_fine = mosaic_.native_level(tile.id).value_or(kMinLevel) < tile.id.level;
-  const bool is_bare = tile.image.texels.empty() || is_empty(tile.image);
+  const bool is_bare = !tile.image.is_set() || is_empty(tile.image);
   if (too_fine || (is_bare && !tile.has_stored)) return std::optional<TileBlock>{};
   tile.has_stored = true;
   // Where the covered share is too small for a texel, the tile still leads to its descendants.
-  if (tile.image.texels.empty()) tile.image = LinearImage(size_, size_);
-  if (tile.half.texels.empty()) tile.half = LinearImage(size_ / 2, size_ / 2);
-  return std::optional<TileBlock>(
-      encode_texture_tile(tile.id, std::move(tile.image), tile.half, tile.rim, options_));
+  if (!tile.image.is_set()) tile.image = LinearImage(size_, size_);
+  if (!tile.half.is_set()) tile.half = LinearImage(size_ / 2, size_ / 2);
+  return std::optional<TileBlock>(encode_texture_tile(tile.id, {std::move(tile.image), tile.half, tile.rim},
+                                                      options_, std::exchange(tile.child_mips, {}),
+                                                      tile.mips));
 }
 
 void ImageryLayer::append(const BakedTexture& tile, std::vector<std::byte>& out) const {
@@ -68,9 +87,10 @@ void ImageryLayer::append(const BakedTexture& tile, std::vector<std::byte>& out)
   writer.write(tile.id.x);
   writer.write(tile.id.y);
   writer.write(static_cast<std::uint8_t>(tile.has_stored));
-  writer.write(static_cast<std::uint8_t>(!tile.image.texels.empty()));
+  writer.write(static_cast<std::uint8_t>(tile.image.is_set()));
   writer.write(static_cast<std::uint8_t>(!tile.rim.is_empty()));
-  writer.append(std::as_bytes(std::span(tile.image.texels)));
+  for (int r = 0; r < tile.image.rows; ++r)
+    writer.append(std::as_bytes(std::span(tile.image.row(r), static_cast<std::size_t>(size_))));
   tile.rim.append_to(out);
 }
 
@@ -83,9 +103,10 @@ Result<BakedTexture> ImageryLayer::read(ByteReader& in) const {
   const bool has_image = in.read<std::uint8_t>() != 0, has_rim = in.read<std::uint8_t>() != 0;
   if (has_image) {
     tile.image = LinearImage(size_, size_);
-    const auto bytes = in.take(tile.image.texels.size() * sizeof(LinearTexel));
-    if (in.ok())
-      std::copy_n(bytes.data(), bytes.size(), reinterpret_cast<std::byte*>(tile.image.texels.data()));
+    for (int r = 0; r < size_ && in.ok(); ++r) {
+      const auto bytes = in.take(static_cast<std::size_t>(size_) * sizeof(LinearTexel));
+      if (in.ok()) std::memcpy(tile.image.row(r), bytes.data(), bytes.size());
+    }
     tile.half = halved(tile.image);
   }
   if (has_rim) tile.rim = TileRim::read_from(in, size_);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "builder/encoded_mips.h"
 #include "builder/imagery_mosaic.h"
 #include "builder/linear_image.h"
 #include "builder/pyramid.h"
@@ -19,8 +20,10 @@ struct BakedTexture {
   LinearImage image;  ///< as the mosaic or the children have it; used up once the tile is settled
   LinearImage half;   ///< its halved(), for mips and parent; no texels where nothing covers the tile
   TileRim rim;
+  EncodedMips mips;                   ///< once it is settled, for its parent
   std::array<TileRim, 4> child_rims;  ///< by quadrant, while the tile waits for its children
-  bool has_stored = false;            ///< a descendant is stored
+  std::array<EncodedMips, 4> child_mips;
+  bool has_stored = false;  ///< a descendant is stored
 };
 
 /// The imagery layer of a bake, see Pyramid and bake_layer().

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "builder/image_resample.h"
 #include "builder/texel_rows.h"
@@ -16,35 +18,31 @@ class ImageStack {
   ImageStack(const TexelWindow& window, double feather) : window_(window), feather_(feather) {}
 
   bool is_full() const {
-    return whole_ ? true : !open_.empty() && std::all_of(open_.begin(), open_.end(), [](float open) {
-      return open <= 0;
-    });
+    if (only_) return only_->is_opaque && fills_window(only_->texels);
+    return !open_.empty() && std::all_of(open_.begin(), open_.end(), [](float open) { return open <= 0; });
   }
 
   void add(ResampledImage&& image) {
-    if (sum_.empty() && covers_all(image)) {
-      whole_ = std::move(image.texels);
+    if (!image.texels.is_set()) return;
+    if (feather_ == 0 && !only_ && sum_.empty()) {
+      only_ = std::move(image);
       return;
     }
     make_room();
-    for (int r = 0; r < image.texels.rows; ++r) {
-      const auto from = static_cast<std::size_t>(r * image.texels.columns);
-      const float* rims = image.rims.empty() ? nullptr : &image.rims[from];
-      add_row(image.texels.row(r), rims, image.texels.columns,
-              static_cast<std::size_t>((image.row + r) * window_.columns + image.column));
-    }
+    blend(image);
   }
 
   LinearImage finish() {
-    if (whole_) return std::move(*whole_);
+    if (only_) return placed(std::move(*only_));
     LinearImage image(window_.columns, window_.rows);
     for (std::size_t i = 0; i < sum_.size(); ++i) {
       const float covered = kOne * (1 - bare_[i]);
       if (!(sum_[i][3] > 0)) continue;
       const float raise = sum_[i][3] < covered ? covered / sum_[i][3] : 1.0F;
+      const auto columns = static_cast<std::size_t>(window_.columns);
+      LinearTexel& texel = image.row(static_cast<int>(i / columns))[i % columns];
       for (std::size_t k = 0; k < 4; ++k)
-        image.texels[i][k] =
-            static_cast<std::uint16_t>(std::min(kOne, sum_[i][static_cast<int>(k)] * raise + 0.5F));
+        texel[k] = static_cast<std::uint16_t>(std::min(kOne, sum_[i][static_cast<int>(k)] * raise + 0.5F));
     }
     return image;
   }
@@ -52,9 +50,16 @@ class ImageStack {
  private:
   static constexpr float kOne = 65535;
 
-  bool covers_all(const ResampledImage& image) const {
-    return feather_ == 0 && image.texels.columns == window_.columns && image.texels.rows == window_.rows &&
-           is_opaque(image.texels);
+  bool fills_window(const LinearImage& image) const {
+    return image.columns == window_.columns && image.rows == window_.rows;
+  }
+
+  LinearImage placed(ResampledImage&& image) const {
+    if (fills_window(image.texels)) return std::move(image.texels);
+    LinearImage whole(window_.columns, window_.rows);
+    for (int r = 0; r < image.texels.rows; ++r)
+      std::copy_n(image.texels.row(r), image.texels.columns, whole.row(image.row + r) + image.column);
+    return whole;
   }
 
   void make_room() {
@@ -63,6 +68,16 @@ class ImageStack {
     sum_.resize(count);
     open_.assign(count, 1.0F);
     bare_.assign(count, 1.0F);
+    if (only_) blend(*std::exchange(only_, std::nullopt));
+  }
+
+  void blend(const ResampledImage& image) {
+    for (int r = 0; r < image.texels.rows; ++r) {
+      const auto from = static_cast<std::size_t>(r * image.texels.columns);
+      const float* rims = image.rims.empty() ? nullptr : &image.rims[from];
+      add_row(image.texels.row(r), rims, image.texels.columns,
+              static_cast<std::size_t>((image.row + r) * window_.columns + image.column));
+    }
   }
 
   void add_row(const LinearTexel* texels, const float* rims, int count, std::size_t to) {
@@ -80,8 +95,8 @@ class ImageStack {
   }
 
   TexelWindow window_;
-  double feather_;                    // pixels
-  std::optional<LinearImage> whole_;  // the topmost image, where it covers the window
+  double feather_;                      // pixels
+  std::optional<ResampledImage> only_;  // the topmost image, until there is another or where it fades
   std::vector<WideTexel> sum_;
   std::vector<float> open_;  // share that shows what lies beneath
   std::vector<float> bare_;  // the same without feathering

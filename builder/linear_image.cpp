@@ -24,48 +24,38 @@ LinearImage halved(const LinearImage& image) {
   return half;
 }
 
-LinearImage without_margin(LinearImage&& image, int margin) {
-  LinearImage inner;
-  inner.columns = image.columns - 2 * margin;
-  inner.rows = image.rows - 2 * margin;
-  assert(inner.columns > 0 && inner.rows > 0);
-  inner.texels = std::move(image.texels);
-  LinearTexel* to = inner.texels.data();
-  for (int r = 0; r < inner.rows; ++r, to += inner.columns)
-    std::copy_n(inner.texels.data() + (r + margin) * image.columns + margin, inner.columns, to);
-  inner.texels.resize(static_cast<std::size_t>(inner.columns) * static_cast<std::size_t>(inner.rows));
-  return inner;
-}
-
 bool is_empty(const LinearImage& image) {
-  return std::all_of(image.texels.begin(), image.texels.end(),
-                     [](const LinearTexel& t) { return t[3] == 0; });
-}
-
-// Without a way out of the loop, which then is a wide one.
-bool is_opaque(const LinearImage& image) {
-  std::uint16_t all = 65535;
-  for (const LinearTexel& texel : image.texels) all &= texel[3];
-  return all == 65535;
-}
-
-UnsetVector<std::uint8_t> to_srgb(const LinearImage& image) {
-  const auto& codes = srgb_of_linear();
-  UnsetVector<std::uint8_t> rgba(4 * image.texels.size());
-  std::uint8_t* out = rgba.data();
-  for (LinearTexel texel : image.texels) {
-    const std::uint32_t alpha = texel[3];
-    if (alpha != 65535 && alpha != 0) {
-      for (std::size_t i = 0; i < 3; ++i)
-        texel[i] = static_cast<std::uint16_t>(std::min(65535u, (texel[i] * 65535u + alpha / 2) / alpha));
-    }
-    const std::uint32_t packed =
-        static_cast<std::uint32_t>(codes[texel[0]] | codes[texel[1]] << 8 | codes[texel[2]] << 16) |
-        (alpha + 128) / 257 << 24;
-    std::memcpy(out, &packed, sizeof packed);
-    out += 4;
+  for (int r = 0; r < image.rows; ++r) {
+    const LinearTexel* row = image.row(r);
+    if (std::any_of(row, row + image.columns, [](const LinearTexel& t) { return t[3] != 0; })) return false;
   }
-  return rgba;
+  return true;
+}
+
+SrgbImage to_srgb(const LinearImage& image) {
+  const auto& codes = srgb_of_linear();
+  const auto columns = static_cast<std::size_t>(image.columns);
+  SrgbImage srgb{UnsetVector<std::uint8_t>(4 * columns * static_cast<std::size_t>(image.rows)), false};
+  std::uint8_t* out = srgb.rgba.data();
+  std::uint32_t all = ~0U;
+  for (int r = 0; r < image.rows; ++r) {
+    const LinearTexel* row = image.row(r);
+    for (std::size_t c = 0; c < columns; ++c, out += 4) {
+      LinearTexel texel = row[c];
+      const std::uint32_t alpha = texel[3];
+      if (alpha != 65535 && alpha != 0) {
+        for (std::size_t i = 0; i < 3; ++i)
+          texel[i] = static_cast<std::uint16_t>(std::min(65535U, (texel[i] * 65535U + alpha / 2) / alpha));
+      }
+      const std::uint32_t packed =
+          static_cast<std::uint32_t>(codes[texel[0]] | codes[texel[1]] << 8 | codes[texel[2]] << 16) |
+          (alpha + 128) / 257 << 24;
+      std::memcpy(out, &packed, sizeof packed);
+      all &= packed;
+    }
+  }
+  srgb.is_opaque = all >> 24 == 255;
+  return srgb;
 }
 
 }  // namespace cairn

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 
@@ -13,32 +15,46 @@ namespace cairn {
 using LinearTexel = std::array<std::uint16_t, 4>;
 
 /// An image of linear texels, rows from the north.
-struct LinearImage {
-  int columns = 0;
-  int rows = 0;
-  UnsetVector<LinearTexel> texels;
-
+class LinearImage {
+ public:
   LinearImage() = default;
   /// Empty all over.
-  LinearImage(int columns_, int rows_)
-      : columns(columns_),
-        rows(rows_),
-        texels(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), LinearTexel{}) {}
+  LinearImage(int columns_, int rows_) : LinearImage(unset(columns_, rows_)) {
+    std::fill(texels_.begin(), texels_.end(), LinearTexel{});
+  }
   /// Without values: every texel is to be written.
   static LinearImage unset(int columns, int rows) {
     LinearImage image;
     image.columns = columns;
     image.rows = rows;
-    image.texels.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    image.stride_ = static_cast<std::size_t>(columns);
+    image.texels_.resize(image.stride_ * static_cast<std::size_t>(rows));
     return image;
   }
 
+  /// Whether it has any size.
+  bool is_set() const { return !texels_.empty(); }
+
   const LinearTexel* row(int r) const {
-    return texels.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(columns);
+    return texels_.data() + first_ + static_cast<std::size_t>(r) * stride_;
   }
-  LinearTexel* row(int r) {
-    return texels.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(columns);
+  LinearTexel* row(int r) { return texels_.data() + first_ + static_cast<std::size_t>(r) * stride_; }
+
+  /// Leaves `margin` texels away on each side. REQUIRES: some are left.
+  void drop_margin(int margin) {
+    first_ += static_cast<std::size_t>(margin) * (stride_ + 1);
+    columns -= 2 * margin;
+    rows -= 2 * margin;
+    assert(columns > 0 && rows > 0);
   }
+
+  int columns = 0;
+  int rows = 0;
+
+ private:
+  UnsetVector<LinearTexel> texels_;
+  std::size_t stride_ = 0;  // texels from one row to the next, which are more than columns without a margin
+  std::size_t first_ = 0;
 };
 
 /// The mean of two texels, halves rounded up; the order does not matter.
@@ -48,14 +64,14 @@ LinearTexel mean_of(const LinearTexel& a, const LinearTexel& b);
 /// columns and rows.
 LinearImage halved(const LinearImage& image);
 
-/// The image without `margin` texels on each side. REQUIRES: some are left.
-LinearImage without_margin(LinearImage&& image, int margin);
-
-/// Whether no texel has any coverage, and whether all have all of it.
+/// Whether no texel has any coverage.
 bool is_empty(const LinearImage& image);
-bool is_opaque(const LinearImage& image);
 
 /// R, G, B in sRGB and alpha, 4 bytes a texel, not premultiplied; transparent texels are black.
-UnsetVector<std::uint8_t> to_srgb(const LinearImage& image);
+struct SrgbImage {
+  UnsetVector<std::uint8_t> rgba;
+  bool is_opaque = false;  ///< every alpha is 255
+};
+SrgbImage to_srgb(const LinearImage& image);
 
 }  // namespace cairn

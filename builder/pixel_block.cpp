@@ -60,6 +60,17 @@ Status read_run(const RasterSource& source, const Run& run, std::int64_t first, 
 
 }  // namespace
 
+// Without a way out of the loop, which then is a wide one.
+bool is_opaque(const PixelBlock& block) {
+  std::uint32_t all = ~0U;
+  for (std::size_t i = 0; i < block.rgba.size(); i += 4) {
+    std::uint32_t pixel = 0;
+    std::memcpy(&pixel, &block.rgba[i], sizeof pixel);
+    all &= pixel;
+  }
+  return all >> 24 == 255;
+}
+
 bool goes_around(const RasterInfo& info) {
   const Georeference& g = info.georeference;
   const bool degrees = g.crs == Georeference::Crs::geographic;

@@ -23,6 +23,9 @@ struct PixelBlock {
   }
 };
 
+/// Whether no pixel has any transparency.
+bool is_opaque(const PixelBlock& block);
+
 /// Whether the raster's columns go once around the Earth, so that the first follows the last.
 bool goes_around(const RasterInfo& info);
 

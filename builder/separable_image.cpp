@@ -62,12 +62,12 @@ class FilteredRows {
  private:
   struct Row {
     int64_t pixel_row = 0;
-    std::vector<WideTexel> texels;
+    UnsetVector<WideTexel> texels;
   };
 
   const PixelBlock& block_;
   const PixelTaps& columns_;
-  std::vector<WideTexel> pixels_;
+  UnsetVector<WideTexel> pixels_;
   std::vector<Row> rows_;
 };
 
@@ -97,7 +97,7 @@ Result<ResampledImage> resample_separable(const RasterSource& source, const Texe
     ys.push_back(info.georeference.post_at({0, std::clamp(window.lat_of(r), -90.0, 90.0)}).row);
   const Inside across = inside_of(xs, info.columns, goes_around(info));
   const Inside down = inside_of(ys, info.rows, false);
-  ResampledImage image{across.first, down.first, {}, {}};
+  ResampledImage image{across.first, down.first, {}, false, {}};
   if (across.count == 0 || down.count == 0) return image;
   keep(xs, across);
   keep(ys, down);
@@ -107,6 +107,7 @@ Result<ResampledImage> resample_separable(const RasterSource& source, const Texe
   const auto block = read_block(source, pixels_for(columns, rows));
   if (!block) return block.error();
   image.texels = filter_block(*block, columns, rows);
+  image.is_opaque = is_opaque(*block);
   if (!with_rims) return image;
   for (const double y : ys) {
     for (const double x : xs) image.rims.push_back(static_cast<float>(rim_distance(info, {x, y})));

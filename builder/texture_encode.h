@@ -22,16 +22,25 @@ enum class TextureQuality : std::uint8_t { fast, normal, best };
 void encode_texture(TextureFormat format, TextureQuality quality, std::span<const std::uint8_t> rgba,
                     int width, int height, std::vector<std::byte>& out);
 
-/// The instruction sets that kernels exist for.
-enum class KernelIsa : std::uint8_t { portable, avx2 };
+/// Appends to `errors`, for each BC1 block of an image, the sum of the squared differences of R, G and B
+/// between its 16 texels (those that encode_texture() repeats count again) and what decode_texture() makes of
+/// it, but much quicker. REQUIRES: as for encode_texture(), and blocks of that size.
+void bc1_errors(std::span<const std::uint8_t> rgba, int width, int height, std::span<const std::byte> blocks,
+                std::vector<std::uint32_t>& errors);
+
+/// The instruction sets that kernels exist for, each holding those before it: SSE2; AVX2; AVX-512 F, BW, DQ
+/// and VL.
+enum class KernelIsa : std::uint8_t { portable, avx2, avx512 };
 
 /// The widest that this CPU has: what encode_texture() uses.
 KernelIsa widest_kernel_isa();
 
-/// encode_texture() with the kernels of one instruction set, for tests and benches.
+/// The two with the kernels of one instruction set, for tests and benches.
 /// REQUIRES: the CPU has it.
 void encode_texture_with(KernelIsa isa, TextureFormat format, TextureQuality quality,
                          std::span<const std::uint8_t> rgba, int width, int height,
                          std::vector<std::byte>& out);
+void bc1_errors_with(KernelIsa isa, std::span<const std::uint8_t> rgba, int width, int height,
+                     std::span<const std::byte> blocks, std::vector<std::uint32_t>& errors);
 
 }  // namespace cairn

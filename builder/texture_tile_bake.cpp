@@ -36,18 +36,6 @@ bool is_one_colour(const std::vector<Rgba>& mips) {
   });
 }
 
-bool is_opaque(const std::vector<Rgba>& mips) {
-  return std::all_of(mips.begin(), mips.end(), [](const Rgba& mip) {
-    std::uint32_t all = ~0u;
-    for (std::size_t i = 0; i < mip.size(); i += 4) {
-      std::uint32_t texel = 0;
-      std::memcpy(&texel, &mip[i], sizeof texel);
-      all &= texel;
-    }
-    return all >> 24 == 255;
-  });
-}
-
 struct SquaredError {
   std::uint64_t sum = 0;
   std::uint64_t count = 0;
@@ -78,6 +66,12 @@ void add_visible_error(Texels before, Texels after, SquaredError& error) {
   }
 }
 
+std::int32_t psnr_of(const SquaredError& error) {
+  if (error.sum == 0) return kNoTextureError;
+  const double mse = static_cast<double>(error.sum) / static_cast<double>(error.count);
+  return static_cast<std::int32_t>(std::lround(1000 * std::min(99.0, 10 * std::log10(255.0 * 255.0 / mse))));
+}
+
 // Of the finest mip, decoded a few rows of blocks at a time, which stay in the processor's cache.
 std::int32_t psnr_of(const Rgba& image, const TextureTile& tile, bool opaque) {
   const int rows = std::min(tile.size, 32);
@@ -93,56 +87,124 @@ std::int32_t psnr_of(const Rgba& image, const TextureTile& tile, bool opaque) {
     const Texels before = Texels(image).subspan(i * decoded.size(), decoded.size());
     opaque ? add_opaque_error(before, decoded, error) : add_visible_error(before, decoded, error);
   }
-  if (error.sum == 0) return kNoTextureError;
-  const double mse = static_cast<double>(error.sum) / static_cast<double>(error.count);
-  return static_cast<std::int32_t>(std::lround(1000 * std::min(99.0, 10 * std::log10(255.0 * 255.0 / mse))));
+  return psnr_of(error);
+}
+
+// Gives `use` each mip of the tile in linear light, its edges agreed upon, the finest first.
+template <class Use>
+void for_each_mip(LinearImage&& image, const LinearImage& half, const TileRim& rim, const Use& use) {
+  int number = 0;
+  const auto agreed = [&](LinearImage& mip) {
+    rim.agree(number++, mip);
+    use(mip);
+  };
+  agreed(image);
+  for (LinearImage mip = half;;) {
+    LinearImage next = mip.columns > 1 ? halved(mip) : LinearImage();
+    agreed(mip);
+    if (!next.is_set()) return;
+    mip = std::move(next);
+  }
+}
+
+TileBlock block_of(const TileId& id, std::uint8_t flags, const TextureTile& tile, std::int32_t psnr) {
+  TileBlock out;
+  out.entry.layer = Layer::imagery;
+  out.entry.id = id;
+  out.entry.flags = flags;
+  out.entry.max_quanta = psnr;
+  out.block = encode_texture_block(tile);
+  return out;
+}
+
+TileBlock constant_tile(const TileId& id, std::uint8_t flags, const std::uint8_t* colour) {
+  TileBlock out;
+  out.entry.layer = Layer::imagery;
+  out.entry.id = id;
+  out.entry.flags = static_cast<std::uint8_t>(flags | kConstant);
+  std::memcpy(&out.entry.min_quanta, colour, 4);
+  out.entry.max_quanta = kNoTextureError;
+  return out;
+}
+
+// Leaves the first mip away.
+TileBlock tile_of(const TileId& id, EncodedMips& mips) {
+  TextureTile tile{TextureFormat::bc1, mips[0].size, {}};
+  tile.texels.reserve(texture_chain_bytes(tile.format, tile.size));
+  for (const EncodedMip& mip : mips)
+    tile.texels.insert(tile.texels.end(), mip.blocks.begin(), mip.blocks.end());
+  SquaredError error;
+  for (const std::uint32_t squares : mips[0].errors) error.sum += squares;
+  error.count = mips[0].errors.size() * 16 * 3;
+  mips.erase(mips.begin());
+  return block_of(id, 0, tile, psnr_of(error));
+}
+
+// Whether a tile of these children's mips could be of one colour: then all of its blocks are equal.
+bool may_be_one_colour(const std::array<EncodedMips, 4>& children) {
+  const std::vector<std::byte>& first = children[0][0].blocks;
+  return std::all_of(children.begin(), children.end(), [&](const EncodedMips& child) {
+    const std::vector<std::byte>& blocks = child[0].blocks;
+    for (std::size_t i = 0; i < blocks.size(); i += 8) {
+      if (std::memcmp(&blocks[i], first.data(), 8) != 0) return false;
+    }
+    return true;
+  });
+}
+
+// The tile's mips from those of its children, where these are all there.
+EncodedMips joined_mips(TileTexels& texels, const std::array<EncodedMips, 4>& children,
+                        TextureQuality quality) {
+  EncodedMips mips;
+  for_each_mip(std::move(texels.image), texels.half, texels.rim, [&](const LinearImage& mip) {
+    const std::size_t m = mips.size();
+    std::array<const EncodedMip*, 4> quarters{};
+    for (std::size_t q = 0; q < 4 && m < children[q].size(); ++q) quarters[q] = &children[q][m];
+    mips.push_back(join_mips(quarters, mip, quality));
+  });
+  return mips;
 }
 
 }  // namespace
 
-std::vector<Rgba> mip_chain(LinearImage&& image, const LinearImage& half, const TileRim& rim) {
-  const int size = image.columns;
-  std::vector<Rgba> mips;
-  const auto add = [&](LinearImage& mip) {
-    rim.agree(static_cast<int>(mips.size()), mip);
-    mips.push_back(to_srgb(mip));
-  };
-  add(image);
-  for (LinearImage mip = half;;) {
-    LinearImage next = mip.columns > 1 ? halved(mip) : LinearImage();
-    add(mip);
-    if (next.texels.empty()) break;
-    mip = std::move(next);
-  }
-  if (is_opaque(mips)) return mips;
+MipChain mip_chain(TileTexels&& texels) {
+  MipChain chain;
+  const int size = texels.image.columns;
+  for_each_mip(std::move(texels.image), texels.half, texels.rim, [&](const LinearImage& mip) {
+    SrgbImage srgb = to_srgb(mip);
+    chain.is_opaque = chain.is_opaque && srgb.is_opaque;
+    chain.mips.push_back(std::move(srgb.rgba));
+  });
+  if (chain.is_opaque) return chain;
+  auto& mips = chain.mips;
   for (std::size_t m = mips.size() - 1; m-- > 0;) fill_from(mips[m + 1], size >> m, mips[m]);
-  return mips;
+  return chain;
 }
 
-TileBlock encode_texture_tile(const TileId& id, LinearImage&& image, const LinearImage& half,
-                              const TileRim& rim, const ImageryOptions& options) {
-  const int size = image.columns;
-  const std::vector<Rgba> mips = mip_chain(std::move(image), half, rim);
-  TileBlock out;
-  out.entry.layer = Layer::imagery;
-  out.entry.id = id;
-  const bool opaque = is_opaque(mips);
-  if (!opaque) out.entry.flags = kHasAlpha;
-  if (is_one_colour(mips)) {
-    out.entry.flags |= kConstant;
-    std::memcpy(&out.entry.min_quanta, mips[0].data(), 4);
-    out.entry.max_quanta = kNoTextureError;
-    return out;
+TileBlock encode_texture_tile(const TileId& id, TileTexels&& texels, const ImageryOptions& options,
+                              const std::array<EncodedMips, 4>& children, EncodedMips& encoded) {
+  const bool have_all =
+      std::none_of(children.begin(), children.end(), [](const auto& c) { return c.empty(); });
+  if (have_all && !may_be_one_colour(children)) {
+    encoded = joined_mips(texels, children, options.quality);
+    return tile_of(id, encoded);
   }
-  const bool needs_alpha = !opaque && options.format == TextureFormat::bc1;
+  const int size = texels.image.columns;
+  const MipChain chain = mip_chain(std::move(texels));
+  std::uint8_t flags = 0;
+  if (!chain.is_opaque) flags = kHasAlpha;
+  if (is_one_colour(chain.mips)) return constant_tile(id, flags, chain.mips[0].data());
+  if (chain.is_opaque && options.format == TextureFormat::bc1) {
+    for (std::size_t m = 0; m < chain.mips.size(); ++m)
+      encoded.push_back(encode_mip(chain.mips[m], size >> m, options.quality));
+    return tile_of(id, encoded);
+  }
+  const bool needs_alpha = !chain.is_opaque && options.format == TextureFormat::bc1;
   TextureTile tile{needs_alpha ? TextureFormat::bc3 : options.format, size, {}};
   tile.texels.reserve(texture_chain_bytes(tile.format, tile.size));
-  for (std::size_t m = 0; m < mips.size(); ++m)
-    encode_texture(tile.format, options.quality, mips[m], tile.size >> m, tile.size >> m, tile.texels);
-
-  out.entry.max_quanta = psnr_of(mips[0], tile, opaque);
-  out.block = encode_texture_block(tile);
-  return out;
+  for (std::size_t m = 0; m < chain.mips.size(); ++m)
+    encode_texture(tile.format, options.quality, chain.mips[m], size >> m, size >> m, tile.texels);
+  return block_of(id, flags, tile, psnr_of(chain.mips[0], tile, chain.is_opaque));
 }
 
 }  // namespace cairn

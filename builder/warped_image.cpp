@@ -99,24 +99,33 @@ void average_row(const WidePixels& image, std::span<const PlanePoint> positions,
       for (int i = 0; i < across; ++i) line += row[i] * x_weights[static_cast<std::size_t>(i)];
       sum += line * y_weights[static_cast<std::size_t>(j)];
     }
-    *out++ = to_linear_texel(sum);
+    *out++ = texel_rows().quantise(sum);
   }
 }
 
-// A row of texels, empty where they lie out of reach.
-void resample_row(const WidePixels& image, const Reach& reach, std::span<const PlanePoint> positions,
+// Texels within reach.
+void resample_run(const WidePixels& image, std::span<const PlanePoint> positions, PlanePoint size,
+                  LinearTexel* out) {
+  if (size.x == 1 && size.y == 1) return texel_rows().interpolate(image, positions, out);
+  average_row(image, positions, size, out);
+}
+
+// A row of texels, empty where they lie out of reach. Returns whether none does.
+bool resample_row(const WidePixels& image, const Reach& reach, std::span<const PlanePoint> positions,
                   PlanePoint size, LinearTexel* out) {
+  if (texel_rows().all_within(positions, reach.low, reach.high)) {
+    resample_run(image, positions, size, out);
+    return true;
+  }
+  std::fill_n(out, positions.size(), LinearTexel{});
   const auto inside = [&](const PlanePoint& p) { return reach.holds(p); };
   for (auto from = positions.begin(); from != positions.end();) {
     from = std::find_if(from, positions.end(), inside);
     const auto to = std::find_if_not(from, positions.end(), inside);
-    if (size.x == 1 && size.y == 1) {
-      texel_rows().interpolate(image, {from, to}, out + (from - positions.begin()));
-    } else {
-      average_row(image, {from, to}, size, out + (from - positions.begin()));
-    }
+    resample_run(image, {from, to}, size, out + (from - positions.begin()));
     from = to;
   }
+  return false;
 }
 
 }  // namespace
@@ -129,16 +138,16 @@ Result<ResampledImage> resample_warped(const RasterSource& source, const TexelWi
   const PlanePoint size = texel_size(info.georeference, window, turn);
   const auto block = read_block(source, pixels_for(reach, size));
   if (!block) return block.error();
-  std::vector<WideTexel> pixels(block->rgba.size() / 4);
+  UnsetVector<WideTexel> pixels(block->rgba.size() / 4);
   to_linear_light(block->rgba.data(), pixels);
   const WidePixels wide{pixels.data(), block->column, block->row, block->columns};
 
   const CoarseMesh mesh = positions_of(info.georeference, window, turn);
   std::vector<PlanePoint> positions(static_cast<std::size_t>(window.columns));
-  ResampledImage image{0, 0, LinearImage(window.columns, window.rows), {}};
+  ResampledImage image{0, 0, LinearImage::unset(window.columns, window.rows), is_opaque(*block), {}};
   for (int r = 0; r < window.rows; ++r) {
     mesh.row(window.row + r, positions);
-    resample_row(wide, reach, positions, size, image.texels.row(r));
+    if (!resample_row(wide, reach, positions, size, image.texels.row(r))) image.is_opaque = false;
     if (!with_rims) continue;
     for (const PlanePoint& p : positions) image.rims.push_back(static_cast<float>(rim_distance(info, p)));
   }

@@ -18,6 +18,8 @@ void encode_alpha_fast(const std::uint8_t* texels, std::ptrdiff_t stride, std::b
                        std::ptrdiff_t out_stride);
 void encode_alpha_normal(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
                          std::ptrdiff_t out_stride);
+void bc1_errors(const std::uint8_t* texels, std::ptrdiff_t stride, const std::byte* blocks,
+                std::uint32_t* errors);
 
 void encode_bc7_fast(const std::uint8_t* texels, std::ptrdiff_t stride, std::byte* out,
                      std::ptrdiff_t out_stride);

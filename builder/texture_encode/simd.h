@@ -18,7 +18,9 @@
 
 namespace cairn::CAIRN_ISA {
 
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+inline constexpr int kLanes = 16;
+#elif defined(__AVX2__)
 inline constexpr int kLanes = 8;
 #else
 inline constexpr int kLanes = 4;
@@ -51,10 +53,16 @@ CAIRN_INLINE F round(F value) {
 
 /// a where the mask is all ones, b where it is all zeros.
 CAIRN_INLINE I select(I mask, I a, I b) {
+#if defined(__AVX512F__)
+  return mask ? a : b;  // the compiler turns a comparison to a mask register at once
+#else
   return (mask & a) | (~mask & b);
+#endif
 }
 CAIRN_INLINE F select(I mask, F a, F b) {
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+  return mask ? a : b;
+#elif defined(__AVX2__)
   return _mm256_blendv_ps(b, a, reinterpret_cast<F>(mask));
 #else
   return reinterpret_cast<F>(select(mask, reinterpret_cast<I>(a), reinterpret_cast<I>(b)));
@@ -63,7 +71,9 @@ CAIRN_INLINE F select(I mask, F a, F b) {
 
 /// b where either is NaN.
 CAIRN_INLINE F min(F a, F b) {
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+  return _mm512_min_ps(a, b);
+#elif defined(__AVX2__)
   return _mm256_min_ps(a, b);
 #elif defined(__SSE2__)
   return _mm_min_ps(a, b);
@@ -72,7 +82,9 @@ CAIRN_INLINE F min(F a, F b) {
 #endif
 }
 CAIRN_INLINE F max(F a, F b) {
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+  return _mm512_max_ps(a, b);
+#elif defined(__AVX2__)
   return _mm256_max_ps(a, b);
 #elif defined(__SSE2__)
   return _mm_max_ps(a, b);
@@ -81,14 +93,18 @@ CAIRN_INLINE F max(F a, F b) {
 #endif
 }
 CAIRN_INLINE I min(I a, I b) {
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+  return reinterpret_cast<I>(_mm512_min_epi32(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
+#elif defined(__AVX2__)
   return reinterpret_cast<I>(_mm256_min_epi32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
 #else
   return select(a < b, a, b);
 #endif
 }
 CAIRN_INLINE I max(I a, I b) {
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+  return reinterpret_cast<I>(_mm512_max_epi32(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
+#elif defined(__AVX2__)
   return reinterpret_cast<I>(_mm256_max_epi32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
 #else
   return select(a > b, a, b);
@@ -101,7 +117,9 @@ CAIRN_INLINE F clamp(F value, float low, float high) {
 
 /// table[index] in every lane.
 CAIRN_INLINE I lookup(const std::int32_t* table, I index) {
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+  return reinterpret_cast<I>(_mm512_i32gather_epi32(reinterpret_cast<__m512i>(index), table, 4));
+#elif defined(__AVX2__)
   return reinterpret_cast<I>(_mm256_i32gather_epi32(table, reinterpret_cast<__m256i>(index), 4));
 #else
   I found{};
@@ -112,7 +130,11 @@ CAIRN_INLINE I lookup(const std::int32_t* table, I index) {
 
 /// values[index], lane by lane.
 CAIRN_INLINE F pick(const F* values, I index) {
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+  const I lanes = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  const I place = index * kLanes + lanes;
+  return _mm512_i32gather_ps(reinterpret_cast<__m512i>(place), reinterpret_cast<const float*>(values), 4);
+#elif defined(__AVX2__)
   const I lanes = {0, 1, 2, 3, 4, 5, 6, 7};
   const I place = index * kLanes + lanes;
   return _mm256_i32gather_ps(reinterpret_cast<const float*>(values), reinterpret_cast<__m256i>(place), 4);
@@ -145,12 +167,52 @@ CAIRN_INLINE I alpha(I texel) {
   return texel >> 24 & 255;
 }
 
-/// The block, counted from the left, that lane `lane` of load_texels() holds.
+/// The block, counted from the left, that lane `lane` of load_texels() holds: 128 bits of a row are a block,
+/// and those that lie above one another in four vectors are turned.
 CAIRN_INLINE int block_of_lane(int lane) {
-#if defined(__AVX2__)
-  return lane < 4 ? 2 * lane : 2 * lane - 7;
+  constexpr int kQuarters = kLanes / 4;
+  return lane % 4 * kQuarters + lane / 4;
+}
+
+/// a0 b0 a1 b1 of each 128 bits of two vectors, and a2 b2 a3 b3; then the same with pairs.
+CAIRN_INLINE I zip_low(I a, I b) {
+#if defined(__AVX512F__)
+  return reinterpret_cast<I>(
+      _mm512_unpacklo_epi32(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
+#elif defined(__AVX2__)
+  return __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
 #else
-  return lane;
+  return __builtin_shufflevector(a, b, 0, 4, 1, 5);
+#endif
+}
+CAIRN_INLINE I zip_high(I a, I b) {
+#if defined(__AVX512F__)
+  return reinterpret_cast<I>(
+      _mm512_unpackhi_epi32(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
+#elif defined(__AVX2__)
+  return __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+#else
+  return __builtin_shufflevector(a, b, 2, 6, 3, 7);
+#endif
+}
+CAIRN_INLINE I zip_pairs_low(I a, I b) {
+#if defined(__AVX512F__)
+  return reinterpret_cast<I>(
+      _mm512_unpacklo_epi64(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
+#elif defined(__AVX2__)
+  return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13);
+#else
+  return __builtin_shufflevector(a, b, 0, 1, 4, 5);
+#endif
+}
+CAIRN_INLINE I zip_pairs_high(I a, I b) {
+#if defined(__AVX512F__)
+  return reinterpret_cast<I>(
+      _mm512_unpackhi_epi64(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
+#elif defined(__AVX2__)
+  return __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+#else
+  return __builtin_shufflevector(a, b, 2, 3, 6, 7);
 #endif
 }
 
@@ -161,25 +223,11 @@ CAIRN_INLINE void load_columns(const std::uint8_t* row, I columns[4]) {
   std::memcpy(&b, row + sizeof(I), sizeof(I));
   std::memcpy(&c, row + 2 * sizeof(I), sizeof(I));
   std::memcpy(&d, row + 3 * sizeof(I), sizeof(I));
-#if defined(__AVX2__)
-  const I ab_low = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
-  const I ab_high = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
-  const I cd_low = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13);
-  const I cd_high = __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15);
-  columns[0] = __builtin_shufflevector(ab_low, cd_low, 0, 1, 8, 9, 4, 5, 12, 13);
-  columns[1] = __builtin_shufflevector(ab_low, cd_low, 2, 3, 10, 11, 6, 7, 14, 15);
-  columns[2] = __builtin_shufflevector(ab_high, cd_high, 0, 1, 8, 9, 4, 5, 12, 13);
-  columns[3] = __builtin_shufflevector(ab_high, cd_high, 2, 3, 10, 11, 6, 7, 14, 15);
-#else
-  const I ab_low = __builtin_shufflevector(a, b, 0, 4, 1, 5);
-  const I ab_high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
-  const I cd_low = __builtin_shufflevector(c, d, 0, 4, 1, 5);
-  const I cd_high = __builtin_shufflevector(c, d, 2, 6, 3, 7);
-  columns[0] = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
-  columns[1] = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
-  columns[2] = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
-  columns[3] = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
-#endif
+  const I ab_low = zip_low(a, b), ab_high = zip_high(a, b), cd_low = zip_low(c, d), cd_high = zip_high(c, d);
+  columns[0] = zip_pairs_low(ab_low, cd_low);
+  columns[1] = zip_pairs_high(ab_low, cd_low);
+  columns[2] = zip_pairs_low(ab_high, cd_high);
+  columns[3] = zip_pairs_high(ab_high, cd_high);
 }
 
 /// The texels of kLanes blocks side by side, in rows `stride` bytes apart.

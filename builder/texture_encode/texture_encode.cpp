@@ -16,7 +16,15 @@ constexpr std::size_t kGroup = kKernelBlocks;
 constexpr std::size_t kGroupRow = 16 * kGroup;  // bytes of a row of a group
 
 const KernelSet& kernel_set(KernelIsa isa) {
-  return isa == KernelIsa::avx2 ? avx2::kernels : portable::kernels;
+  switch (isa) {
+    case KernelIsa::avx512:
+      return avx512::kernels;
+    case KernelIsa::avx2:
+      return avx2::kernels;
+    case KernelIsa::portable:
+      break;
+  }
+  return portable::kernels;
 }
 
 struct Image {
@@ -83,6 +91,9 @@ void encode_group(const KernelSet& kernels, TextureFormat format, TextureQuality
 }  // namespace
 
 KernelIsa widest_kernel_isa() {
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+    return KernelIsa::avx512;
   return __builtin_cpu_supports("avx2") ? KernelIsa::avx2 : KernelIsa::portable;
 }
 
@@ -111,6 +122,35 @@ void encode_texture_with(KernelIsa isa, TextureFormat format, TextureQuality qua
       const std::size_t used = bytes * std::min(kGroup, columns - column);
       std::memcpy(&out[at], code.data(), used);
       at += used;
+    }
+  }
+}
+
+void bc1_errors(std::span<const std::uint8_t> rgba, int width, int height, std::span<const std::byte> blocks,
+                std::vector<std::uint32_t>& errors) {
+  bc1_errors_with(widest_kernel_isa(), rgba, width, height, blocks, errors);
+}
+
+void bc1_errors_with(KernelIsa isa, std::span<const std::uint8_t> rgba, int width, int height,
+                     std::span<const std::byte> blocks, std::vector<std::uint32_t>& errors) {
+  const Image image{rgba.data(), static_cast<std::size_t>(width), static_cast<std::size_t>(height)};
+  assert(blocks.size() == texture_bytes(TextureFormat::bc1, width, height));
+  const std::size_t columns = (image.width + 3) / 4;
+  std::size_t at = errors.size();
+  errors.resize(at + blocks.size() / 8);
+  PaddedGroup padded;
+  std::array<std::byte, 8 * kGroup> code{};
+  std::array<std::uint32_t, kGroup> found;
+  const std::byte* from = blocks.data();
+  for (std::size_t top = 0; top < image.height; top += 4) {
+    for (std::size_t column = 0; column < columns; column += kGroup) {
+      const GroupTexels texels = group_texels(image, 4 * column, top, padded);
+      const std::size_t used = std::min(kGroup, columns - column);
+      std::memcpy(code.data(), from, 8 * used);
+      kernel_set(isa).bc1_errors(texels.texels, texels.stride, code.data(), found.data());
+      std::copy_n(found.begin(), used, errors.begin() + static_cast<std::ptrdiff_t>(at));
+      at += used;
+      from += 8 * used;
     }
   }
 }

@@ -43,7 +43,9 @@ double thread_seconds() {
 
 Entry cairn_entry(TextureFormat format, TextureQuality quality, KernelIsa isa) {
   const char* names[] = {"fast", "normal", "best"};
-  return {isa == KernelIsa::portable ? "cairn-portable" : "cairn", names[static_cast<int>(quality)], format,
+  const char* encoders[] = {"cairn-portable", "cairn-avx2", "cairn-avx512"};
+  return {isa == widest_kernel_isa() ? "cairn" : encoders[static_cast<int>(isa)],
+          names[static_cast<int>(quality)], format,
           [=](const test::TestImage& image, std::vector<std::byte>& out) {
             encode_texture_with(isa, format, quality, image.rgba, image.width, image.height, out);
           }};
@@ -75,7 +77,7 @@ std::vector<Entry> entries() {
   for (const TextureFormat format : {TextureFormat::bc1, TextureFormat::bc3, TextureFormat::bc7}) {
     for (const TextureQuality quality :
          {TextureQuality::fast, TextureQuality::normal, TextureQuality::best}) {
-      for (const KernelIsa isa : {KernelIsa::avx2, KernelIsa::portable}) {
+      for (const KernelIsa isa : {KernelIsa::avx512, KernelIsa::avx2, KernelIsa::portable}) {
         if (isa <= widest_kernel_isa()) all.push_back(cairn_entry(format, quality, isa));
       }
     }

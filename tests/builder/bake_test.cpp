@@ -14,6 +14,7 @@
 #include "format/pack_reader.h"
 #include "format/pack_sampler.h"
 #include "format/pack_verify.h"
+#include "tests/builder/test_bake.h"
 #include "tests/test_data.h"
 #include "tests/test_pack.h"
 
@@ -22,20 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-BuildOptions options_for(std::vector<fs::path> inputs, const fs::path& target) {
-  BuildOptions options;
-  options.inputs = std::move(inputs);
-  options.target = target;
-  options.threads = 2;
-  options.force = true;
-  return options;
-}
-
-void bake(const BuildOptions& options) {
-  const auto report = build(options, [](const Progress&) {});
-  INFO((report.ok() ? "" : report.error().message));
-  REQUIRE(report.ok());
-}
+using test::bake;
 
 PackReader open_pack(const fs::path& path) {
   auto pack = PackReader::open(path);
@@ -78,7 +66,7 @@ void bake_and_check(const std::vector<std::string>& names, std::int64_t step = 5
   std::vector<fs::path> files;
   for (const std::string& name : names) files.push_back(*data / name);
   const test::TempDir dir;
-  const BuildOptions options = options_for(files, dir.path() / "a.cairn");
+  const BuildOptions options = test::bake_options(files, dir.path() / "a.cairn");
   bake(options);
   const auto verified = verify_pack(options.target, {2, 10});
   REQUIRE(verified.ok());
@@ -151,14 +139,14 @@ TEST_CASE("every post of the whole Earth is within the promise, poles and antime
 TEST_CASE("the same inputs give the same bytes, whatever the threads, the memory and the interruptions") {
   const test::TempDir dir;
   const fs::path first = dir.path() / "first.cairn";
-  bake(options_for({test::sample_dem() / "jacksboro_fault.tif", test::sample_dem() / "etopo5_thinned.tif"},
-                   first));
+  bake(test::bake_options(
+      {test::sample_dem() / "jacksboro_fault.tif", test::sample_dem() / "etopo5_thinned.tif"}, first));
   const auto expected = test::read_bytes(first);
   for (const int threads : {1, 2, 4}) {
     for (const std::size_t mebibytes : {128, 1024}) {
-      BuildOptions options =
-          options_for({test::sample_dem() / "jacksboro_fault.tif", test::sample_dem() / "etopo5_thinned.tif"},
-                      dir.path() / "again.cairn");
+      BuildOptions options = test::bake_options(
+          {test::sample_dem() / "jacksboro_fault.tif", test::sample_dem() / "etopo5_thinned.tif"},
+          dir.path() / "again.cairn");
       options.threads = threads;
       options.memory_bytes = mebibytes << 20;
       bake(options);
@@ -171,7 +159,7 @@ TEST_CASE("the same inputs give the same bytes, whatever the threads, the memory
 TEST_CASE("a bake cut off after any unit goes on to the same bytes, and a damaged journal costs work only") {
   const test::TempDir dir;
   const std::vector<fs::path> inputs{test::sample_dem() / "jacksboro_fault.tif"};
-  BuildOptions options = options_for(inputs, dir.path() / "whole.cairn");
+  BuildOptions options = test::bake_options(inputs, dir.path() / "whole.cairn");
   options.tile_size = 257;
   options.level = 5;  // more units than the sample would have
   bake(options);
@@ -210,7 +198,7 @@ TEST_CASE("voids are filled without a cliff, or kept as holes, as asked") {
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;
-  BuildOptions options = options_for({*data / "geotiff/N46E008.tif"}, dir.path() / "a.cairn");
+  BuildOptions options = test::bake_options({*data / "geotiff/N46E008.tif"}, dir.path() / "a.cairn");
   bake(options);
   const auto raster = open_raster(options.inputs.front(), {});
   REQUIRE(raster.ok());
@@ -255,7 +243,7 @@ TEST_CASE("open sea stops early: no fine tiles, and its parent's surface is the 
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;
-  const BuildOptions options = options_for({*data / "srtm3/N00W177.hgt"}, dir.path() / "a.cairn");
+  const BuildOptions options = test::bake_options({*data / "srtm3/N00W177.hgt"}, dir.path() / "a.cairn");
   bake(options);
   const PackReader pack = open_pack(options.target);
   std::size_t fine = 0;
@@ -269,10 +257,10 @@ TEST_CASE("levels coarser than a cell share their edges where the sources end on
   if (!data) return;
   const test::TempDir dir;
   BuildOptions options =
-      options_for({*data / "dted1/n18_w156_3arc_v2.dt1", *data / "dted1/n19_w155_3arc_v2.dt1",
-                   *data / "dted1/n19_w156_3arc_v2.dt1", *data / "dted1/n19_w157_3arc_v2.dt1",
-                   *data / "dted1/n20_w156_3arc_v2.dt1"},
-                  dir.path() / "a.cairn");
+      test::bake_options({*data / "dted1/n18_w156_3arc_v2.dt1", *data / "dted1/n19_w155_3arc_v2.dt1",
+                          *data / "dted1/n19_w156_3arc_v2.dt1", *data / "dted1/n19_w157_3arc_v2.dt1",
+                          *data / "dted1/n20_w156_3arc_v2.dt1"},
+                         dir.path() / "a.cairn");
   options.top = kMinLevel;
   for (const int tile_size : {257, 513}) {
     options.tile_size = tile_size;
@@ -292,7 +280,7 @@ TEST_CASE("a geoid moves every post by its undulation") {
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;
-  BuildOptions options = options_for({*data / "srtm3/N44W072.hgt"}, dir.path() / "a.cairn");
+  BuildOptions options = test::bake_options({*data / "srtm3/N44W072.hgt"}, dir.path() / "a.cairn");
   bake(options);
   options.target = dir.path() / "b.cairn";
   options.geoid = *data / "geoid/us_nga_egm96_15.tif";
@@ -315,7 +303,8 @@ TEST_CASE("a geoid moves every post by its undulation") {
 
 TEST_CASE("a broken promise fails the bake and names the place; --allow-error makes it a warning") {
   const test::TempDir dir;
-  BuildOptions options = options_for({test::sample_dem() / "jacksboro_fault.tif"}, dir.path() / "a.cairn");
+  BuildOptions options =
+      test::bake_options({test::sample_dem() / "jacksboro_fault.tif"}, dir.path() / "a.cairn");
   options.resampling = ResampleMethod::bilinear;
   const auto refused = build(options, [](const Progress&) {});
   REQUIRE_FALSE(refused.ok());

@@ -16,6 +16,7 @@
 #include "builder/texture_tile_bake.h"
 #include "format/pack_verify.h"
 #include "tests/builder/gdal_oracle.h"
+#include "tests/builder/test_bake.h"
 #include "tests/builder/texture_pack.h"
 #include "tests/test_data.h"
 #include "tests/test_pack.h"
@@ -24,20 +25,12 @@ namespace cairn {
 namespace {
 
 namespace fs = std::filesystem;
+using test::bake;
 
 BuildOptions options_for(std::vector<fs::path> images, const fs::path& target) {
-  BuildOptions options;
+  BuildOptions options = test::bake_options({}, target);
   options.imagery.inputs = std::move(images);
-  options.target = target;
-  options.threads = 2;
-  options.force = true;
   return options;
-}
-
-void bake(const BuildOptions& options) {
-  const auto report = build(options, [](const Progress&) {});
-  INFO((report.ok() ? "" : report.error().message));
-  REQUIRE(report.ok());
 }
 
 void write_png(const fs::path& path, int columns, int rows, const std::vector<std::uint8_t>& rgba) {

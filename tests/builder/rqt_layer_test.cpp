@@ -11,6 +11,7 @@
 #include "format/pack_verify.h"
 #include "format/pack_writer.h"
 #include "format/rqt_block.h"
+#include "tests/builder/test_bake.h"
 #include "tests/test_data.h"
 #include "tests/test_pack.h"
 
@@ -18,21 +19,12 @@ namespace cairn {
 namespace {
 
 namespace fs = std::filesystem;
+using test::bake;
 
 BuildOptions options_for(const std::vector<fs::path>& inputs, const fs::path& target, float rqt_m) {
-  BuildOptions options;
-  options.inputs = inputs;
-  options.target = target;
-  options.threads = 2;
-  options.force = true;
+  BuildOptions options = test::bake_options(inputs, target);
   options.rqt_tolerance_m = rqt_m;
   return options;
-}
-
-void bake(const BuildOptions& options) {
-  const auto report = build(options, [](const Progress&) {});
-  INFO((report.ok() ? "" : report.error().message));
-  REQUIRE(report.ok());
 }
 
 std::map<TileId, RqtSteps> triangulations_of(const PackReader& pack) {

@@ -38,14 +38,16 @@ void check_near(const LinearTexel& found, const LinearTexel& expected) {
 }
 
 std::vector<KernelIsa> kernel_sets() {
-  if (widest_kernel_isa() == KernelIsa::portable) return {KernelIsa::portable};
-  return {KernelIsa::portable, KernelIsa::avx2};
+  std::vector<KernelIsa> sets;
+  for (const KernelIsa isa : {KernelIsa::portable, KernelIsa::avx2, KernelIsa::avx512})
+    if (isa <= widest_kernel_isa()) sets.push_back(isa);
+  return sets;
 }
 
 }  // namespace
 
 TEST_CASE("rows of texels are combined the same by every instruction set, and as in doubles") {
-  const std::size_t width = GENERATE(1, 7, 8, 29);
+  const std::size_t width = GENERATE(1, 7, 8, 29, 70);
   const std::vector<float> weights = {-0.07F, 0.6F, 0.55F, -0.08F, 0.0F};
   std::vector<std::vector<WideTexel>> rows;
   std::vector<const WideTexel*> pointers;
@@ -54,7 +56,7 @@ TEST_CASE("rows of texels are combined the same by every instruction set, and as
   std::vector<LinearTexel> first;
   for (const KernelIsa isa : kernel_sets()) {
     std::vector<LinearTexel> out(width);
-    texel_rows(isa).combine(pointers, weights.data(), width, out.data());
+    TexelRows(isa).combine(pointers, weights.data(), width, out.data());
     if (first.empty()) first = out;
     CHECK(out == first);
   }
@@ -78,7 +80,7 @@ TEST_CASE("pixels are filtered along a row the same by every instruction set, an
   std::vector<WideTexel> first;
   for (const KernelIsa isa : kernel_sets()) {
     std::vector<WideTexel> out(positions.size());
-    texel_rows(isa).filter(pixels.data(), column, taps, out.data());
+    TexelRows(isa).filter(pixels.data(), column, taps, out.data());
     if (first.empty()) first = out;
     for (std::size_t t = 0; t < out.size(); ++t)
       for (int k = 0; k < 4; ++k) CHECK(out[t][k] == first[t][k]);
@@ -104,7 +106,7 @@ TEST_CASE("the cubic between pixels is the same by every instruction set, and th
   std::vector<LinearTexel> first;
   for (const KernelIsa isa : kernel_sets()) {
     std::vector<LinearTexel> out(places.size());
-    texel_rows(isa).interpolate(image, places, out.data());
+    TexelRows(isa).interpolate(image, places, out.data());
     if (first.empty()) first = out;
     CHECK(out == first);
   }
@@ -126,6 +128,19 @@ TEST_CASE("the cubic between pixels is the same by every instruction set, and th
   }
 }
 
+TEST_CASE("places within a rectangle, its sides included, are told by every instruction set") {
+  const std::vector<PlanePoint> places = {{1, 2}, {4, 2}, {3, 7}, {1, 7}};
+  for (const KernelIsa isa : kernel_sets()) {
+    const TexelRows rows(isa);
+    CHECK(rows.all_within(places, {1, 2}, {4, 7}));
+    CHECK_FALSE(rows.all_within(places, {1.001, 2}, {4, 7}));
+    CHECK_FALSE(rows.all_within(places, {1, 2.001}, {4, 7}));
+    CHECK_FALSE(rows.all_within(places, {1, 2}, {3.999, 7}));
+    CHECK_FALSE(rows.all_within(places, {1, 2}, {4, 6.999}));
+    CHECK(rows.all_within({}, {1, 2}, {4, 7}));
+  }
+}
+
 TEST_CASE("halves of rows are rounded means, by every instruction set") {
   std::mt19937 random(4);
   std::vector<LinearTexel> north(2 * 37), south(2 * 37);
@@ -135,7 +150,7 @@ TEST_CASE("halves of rows are rounded means, by every instruction set") {
         value = static_cast<std::uint16_t>(random() % 4 == 0 ? 65535 : random());
   for (const KernelIsa isa : kernel_sets()) {
     std::vector<LinearTexel> out(37);
-    texel_rows(isa).halve(north.data(), south.data(), out.size(), out.data());
+    TexelRows(isa).halve(north.data(), south.data(), out.size(), out.data());
     for (std::size_t t = 0; t < out.size(); ++t)
       for (std::size_t k = 0; k < 4; ++k)
         CHECK(out[t][k] ==

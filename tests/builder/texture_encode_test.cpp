@@ -69,11 +69,41 @@ TEST_CASE("every instruction set gives the same bytes") {
   for (const TestImage& image : images) {
     for (const TextureFormat format : kFormats) {
       for (const TextureQuality quality : kQualities) {
-        std::vector<std::byte> portable, wide;
+        std::vector<std::byte> portable;
         encode_texture_with(KernelIsa::portable, format, quality, image.rgba, image.width, image.height,
                             portable);
-        encode_texture_with(KernelIsa::avx2, format, quality, image.rgba, image.width, image.height, wide);
-        CHECK(portable == wide);
+        for (const KernelIsa isa : {KernelIsa::avx2, KernelIsa::avx512}) {
+          if (isa > widest_kernel_isa()) continue;
+          std::vector<std::byte> wide;
+          encode_texture_with(isa, format, quality, image.rgba, image.width, image.height, wide);
+          CHECK(portable == wide);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("the errors of BC1 blocks are those of the decoder, by every instruction set") {
+  std::mt19937 random(11);
+  for (TestImage image : {test::landscape(252, 60, 6, 1), test::noise(64, 64, 2), test::noise(4, 4, 3)}) {
+    for (std::size_t i = 3; i < image.rgba.size(); i += 4) image.rgba[i] = 255;
+    std::vector<std::byte> any(texture_bytes(TextureFormat::bc1, image.width, image.height));
+    for (std::byte& b : any) b = static_cast<std::byte>(random());
+    for (const auto& blocks : {any, encoded(image, TextureFormat::bc1, TextureQuality::best)}) {
+      std::vector<std::uint8_t> rgba(image.rgba.size());
+      REQUIRE(decode_texture(TextureFormat::bc1, blocks, image.width, image.height, rgba).ok());
+      std::vector<std::uint32_t> expected(blocks.size() / 8);
+      const auto width = static_cast<std::size_t>(image.width);
+      for (std::size_t i = 0; i < rgba.size(); ++i) {
+        const int off = i % 4 == 3 ? 0 : rgba[i] - image.rgba[i];
+        const std::size_t x = i / 4 % width, y = i / 4 / width;
+        expected[y / 4 * (width / 4) + x / 4] += static_cast<std::uint32_t>(off * off);
+      }
+      for (const KernelIsa isa : {KernelIsa::portable, KernelIsa::avx2, KernelIsa::avx512}) {
+        if (isa > widest_kernel_isa()) continue;
+        std::vector<std::uint32_t> errors;
+        bc1_errors_with(isa, image.rgba, image.width, image.height, blocks, errors);
+        CHECK(errors == expected);
       }
     }
   }
