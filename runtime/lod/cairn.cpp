@@ -1,11 +1,14 @@
 // Our own: the fewest triangles of the restricted quadtree triangulation that keep the tolerance.
 //
 // When a tile is loaded, every vertex of its bisection hierarchy gets the largest distance of the samples
-// from the triangles that it would bisect (SquareErrors). A picture then takes exactly the vertices whose
-// triangles it would see off by more than the tolerance, and those that they need (BisectionForest). As that
-// closure is worked out, errors need not grow towards the coarse as SOAR's have to, where a fine cliff at the
-// far end of a large square makes all that is above it as bad; the largest error within a square only says
-// where not to look.
+// from the triangles that it would bisect (SquareErrors). A picture wants the vertices whose triangles it may
+// see off by more than the tolerance, and of these takes the ones that bisect a triangle which the mesh comes
+// to have, with those that they need (BisectionForest::settle): errors need not grow towards the coarse as
+// SOAR's have to, where a fine cliff at the far end of a large square makes all that is above it as bad. The
+// largest error within a square only says where not to look.
+//
+// A bound over a square asks for too much near the eye. There, a triangle of the finest tiles is looked into
+// before it is bisected: every sample of it is projected (TriangleError).
 //
 // A vertical error is seen under the angle between the ray and the vertical: looking down it hardly shows
 // (Allowance).
@@ -22,7 +25,9 @@
 // once for all within it, and what follows compares whole numbers. Spheres of 8 and 16 cells instead of 4
 // took more triangles for about the same time.
 
+#include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <memory>
 
 #include "runtime/lod/mesh/allowance.h"
@@ -33,11 +38,19 @@
 #include "runtime/lod/mesh/square_errors.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
+#include "runtime/lod/mesh/triangle_error.h"
 
 namespace cairn {
 namespace {
 
-/// Enables what one tile's squares ask for.
+/// A triangle is looked into where the bound asks for its bisection and it spans no more sample intervals:
+/// larger ones have too many samples to look at in a frame, and are rarely good enough.
+constexpr int kLooksInto = 16;
+
+/// Of two ways to project, each to its own rounding.
+constexpr double kRounding = 1e-6;
+
+/// Says what one tile's squares ask for.
 class Selection {
  public:
   Selection(const SquareErrors& errors, const LodTile& tile, std::size_t number, const TileWindow& window,
@@ -75,11 +88,11 @@ class Selection {
       limits.middle[i] = limit(scale, errors_.chord_m(j) / 2);
     }
     if (!alone) {
-      enable_within(k, x, y, limits);
+      want_within(k, x, y, limits);
       return;
     }
     if (errors_.at(k, x, y).below <= limits.centre[static_cast<std::size_t>(k)]) return;
-    enable(k, x, y, limits);
+    want(k, x, y, limits);
     for (int q = 0; q < 4; ++q) look(k - 1, 2 * x + (q & 1), 2 * y + (q >> 1));
   }
 
@@ -87,20 +100,20 @@ class Selection {
     return round_down(static_cast<float>(allowance_.error_m(scale, tile_.error_m, chord_m)));
   }
 
-  void enable_within(int k, int x, int y, const Limits& limits) {
+  void want_within(int k, int x, int y, const Limits& limits) {
     if (errors_.at(k, x, y).below <= limits.centre[static_cast<std::size_t>(k)]) return;
-    enable(k, x, y, limits);
-    for (int q = 0; k > 1 && q < 4; ++q) enable_within(k - 1, 2 * x + (q & 1), 2 * y + (q >> 1), limits);
+    want(k, x, y, limits);
+    for (int q = 0; k > 1 && q < 4; ++q) want_within(k - 1, 2 * x + (q & 1), 2 * y + (q >> 1), limits);
   }
 
-  void enable(int k, int x, int y, const Limits& limits) {
+  void want(int k, int x, int y, const Limits& limits) {
     const SquareError& square = errors_.at(k, x, y);
     const int column = x - (column_ >> k), row = y - (row_ >> k);
     if (square.centre > limits.centre[static_cast<std::size_t>(k)])
-      forest_.enable_centre(number_, k, column, row);
+      forest_.want_centre(number_, k, column, row);
     for (unsigned side = 0; side < 4; ++side) {
       if (square.middles[side] > limits.middle[static_cast<std::size_t>(k)])
-        forest_.enable_middle(number_, k, column, row, static_cast<BisectionForest::Side>(side));
+        forest_.want_middle(number_, k, column, row, static_cast<BisectionForest::Side>(side));
     }
   }
 
@@ -124,13 +137,14 @@ class Cairn : public LodMethod {
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
     const double start = thread_cpu_s();
-    const Allowance allowance(view);
+    const Allowance allowance(view, scene.lowest_m);
     const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
     forest_.begin();
     for (const std::size_t i : drawn) {
       const LodTile& tile = scene.tiles[i];
       Selection(errors_.of(tile), tile, i, TileWindow(scene, tile), allowance, view.cull, forest_).run();
     }
+    bisect_what_is_off(scene, view);
     const double selected = thread_cpu_s();
     LodMesh mesh;
     for (const std::size_t i : drawn) append(scene, view, allowance, i, mesh);
@@ -142,6 +156,24 @@ class Cairn : public LodMethod {
   }
 
  private:
+  void bisect_what_is_off(const LodScene& scene, const LodView& view) {
+    const TriangleError error(view.view);
+    const double most_px = view.tolerance_px * (1 - kRounding);
+    forest_.settle([&](std::size_t i, const BisectionForest::Triangle& triangle) {
+      const LodTile& tile = scene.tiles[i];
+      if (tile.error_m > 0 || span_of(triangle) > kLooksInto) return true;
+      const TileWindow window(scene, tile);
+      BisectionForest::Triangle samples = triangle;
+      for (auto& [column, row] : samples) column += window.column(), row += window.row();
+      return error.exceeds(most_px, samples, *tile.heights, scene.quantum_m, errors_.of(tile).positions());
+    });
+  }
+
+  /// Sample intervals along the grid.
+  static int span_of(const BisectionForest::Triangle& t) {
+    return std::max(std::abs(t[0][0] - t[1][0]), std::abs(t[0][1] - t[1][1]));
+  }
+
   void append(const LodScene& scene, const LodView& view, const Allowance& allowance, std::size_t i,
               LodMesh& mesh) {
     const LodTile& tile = scene.tiles[i];

@@ -201,7 +201,7 @@ class Rqt : public LodMethod {
   }
 
   void choose(const LodScene& scene, const LodView& view, const std::vector<std::size_t>& drawn) {
-    const Allowance allowance(view);
+    const Allowance allowance(view, scene.lowest_m);
     const ViewVolume volume(view.view, Occluder(scene.lowest_m));
     const glm::dvec3 eye = camera_frame(view.view).position;
     forest_.begin();
@@ -220,6 +220,7 @@ class Rqt : public LodMethod {
       }
       taking.run();
     }
+    forest_.settle();
   }
 
   static Choice choice_for(const Triangulated& own, double allowed_m) {

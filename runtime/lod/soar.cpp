@@ -224,11 +224,12 @@ class Soar : public LodMethod {
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
     const double start = thread_cpu_s();
-    const Allowance allowance(view);
+    const Allowance allowance(view, scene.lowest_m);
     const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
     forest_.begin();
     for (const std::size_t i : drawn)
       Refinement(scene, i, spheres_.of(scene.tiles[i]), allowance, view, forest_).run();
+    forest_.settle();
     const double selected = thread_cpu_s();
     LodMesh mesh;
     for (const std::size_t i : drawn) append(scene, i, mesh);

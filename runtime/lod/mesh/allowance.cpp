@@ -6,13 +6,25 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "runtime/geodesy.h"
 #include "runtime/view_state.h"
 
 namespace cairn {
 namespace {
 
-/// Radians between the ellipsoid's normal and the direction from its middle, at most: 0.193°.
-constexpr double kNormalTilt = 0.0034;
+/// Radians between the ellipsoid's normal under a point and the gradient of its equation there: e²h/2a, at
+/// most, less than this within 20 km of it.
+constexpr double kNormalTilt = 2e-5;
+
+/// The ellipsoid's normal turns by a radian over no less than this: its least radius of curvature, a(1−e²),
+/// from 15 km below.
+constexpr double kNormalTurn_m = 6.32e6;
+
+/// Up, where the ellipsoid's normal goes through the point.
+glm::dvec3 up_at(const glm::dvec3& point) {
+  constexpr double a = kEquatorialRadius, b = kPolarRadius;
+  return glm::normalize(point / glm::dvec3(a * a, a * a, b * b));
+}
 
 /// A sphere is small where its radius is at most this share of its depth: what is asked for its nearest point
 /// is a thirtieth more than for its middle, then.
@@ -20,10 +32,15 @@ constexpr double kSmall = 1.0 / 64;
 
 }  // namespace
 
-Allowance::Allowance(const LodView& view) : tolerance_px_(view.tolerance_px) {
+Allowance::Allowance(const LodView& view, double lowest_m)
+    : occluder_(lowest_m), tolerance_px_(view.tolerance_px) {
   const CameraFrame camera = camera_frame(view.view);
+  eye_of_unit_ = camera.position / occluder_.radii;
+  eye_distance_ = glm::length(eye_of_unit_);
   eye_ = camera.position;
   forward_ = camera.forward;
+  right_ = camera.right;
+  up_ = camera.up;
   const double high = std::tan(glm::radians(view.view.fov_y_deg) / 2);
   const double wide = high * view.view.viewport_width_px / view.view.viewport_height_px;
   inward_ = {glm::normalize(camera.forward * wide + camera.right),
@@ -40,9 +57,11 @@ Allowance::Scale Allowance::scale_of(const SquareSphere& sphere) const {
   Scale scale;
   scale.depth_m = std::max(glm::dot(to, forward_) - radius, (distance - radius) * corner_cosine_);
   if (scale.depth_m <= 0) return scale;
-  const double from_middle = glm::length(sphere.centre);
-  const double beside = glm::length(glm::cross(to, sphere.centre)) / from_middle + radius +
-                        far * (radius / from_middle + kNormalTilt);
+  const glm::dvec3 up = up_at(sphere.centre);
+  const double z = glm::dot(to, forward_), up_z = glm::dot(up, forward_);
+  const double beside = std::hypot(z * glm::dot(up, right_) - glm::dot(to, right_) * up_z,
+                                   z * glm::dot(up, up_) - glm::dot(to, up_) * up_z) +
+                        radius + far * (radius / kNormalTurn_m + kNormalTilt);
   scale.any_px = focal_px_ * std::min(1 / corner_cosine_, far / scale.depth_m);
   scale.vertical_px = std::min(scale.any_px, focal_px_ * beside / scale.depth_m);
   scale.is_small = radius <= kSmall * scale.depth_m;
@@ -64,7 +83,21 @@ double Allowance::error_m(const Scale& scale, double tile_m, double chord_m) con
 bool Allowance::sees(const SquareSphere& sphere) const {
   const glm::dvec3 to = sphere.centre - eye_;
   return std::all_of(inward_.begin(), inward_.end(),
-                     [&](const glm::dvec3& n) { return glm::dot(n, to) >= -sphere.radius_m; });
+                     [&](const glm::dvec3& n) { return glm::dot(n, to) >= -sphere.radius_m; }) &&
+         !is_below_horizon(sphere);
+}
+
+// Hidden is what lies in the cone from the eye around the unit sphere and behind where they touch: a sphere,
+// if its middle is there by its radius.
+bool Allowance::is_below_horizon(const SquareSphere& sphere) const {
+  const double d = eye_distance_, touch = d * d - 1;
+  if (touch <= 0) return false;
+  const glm::dvec3 to = sphere.centre / occluder_.radii - eye_of_unit_;
+  const double radius = sphere.radius_m / occluder_.radii.z;
+  const double along = -glm::dot(to, eye_of_unit_) / d;
+  if (along * d < touch + radius * d) return false;
+  const double across = std::sqrt(std::max(0.0, glm::dot(to, to) - along * along));
+  return along - across * std::sqrt(touch) >= radius * d;
 }
 
 }  // namespace cairn

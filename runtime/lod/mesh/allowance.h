@@ -12,12 +12,15 @@ namespace cairn {
 /// What triangles may be off by, as one eye sees them.
 ///
 /// A displacement δ of a point at depth z, with P the ray from the eye to it, moves its picture by
-/// f|z·δ⊥ − P⊥·δz| / (z(z−δz)) <= f|P×δ| / (z(z−|δ|)) pixels: exactly, not to first order. So with e the
-/// error of a triangle, g that of its tile, both vertical, and c the chord of the Earth's curvature in any
-/// direction, the picture moves by f((e+g)|P×up| + c|P|) / (z(z−e−g−c)) pixels at most.
+/// f|z·δ⊥ − P⊥·δz| / (z(z−δz)) pixels, ⊥ what is across the view: exactly, not to first order; that is
+/// f|P||δ| / (z(z−|δ|)) at most. So with e the error of a triangle, g that of its tile, both vertical, and c
+/// the chord of the Earth's curvature in any direction, the picture moves by
+/// f((e+g)|z·up⊥ − P⊥·upz| + c|P|) / (z(z−e−g−c)) pixels at most. (|P×up| for the first length would do, but
+/// is longer by the view's own direction's part of it: 1.4 times at the sides of a wide picture.)
 class Allowance {
  public:
-  explicit Allowance(const LodView& view);
+  /// `lowest_m`: of the scene; what the ellipsoid there hides is not in the picture.
+  Allowance(const LodView& view, double lowest_m);
 
   /// How displacements become pixels over some part of the picture: δ by px·δ/(depth − δ) at most.
   struct Scale {
@@ -38,13 +41,20 @@ class Allowance {
   /// the tolerance, a quarter is allowed all the same.
   double error_m(const Scale& scale, double tile_m, double chord_m) const;
 
-  /// Whether a part of the sphere may be in the picture.
+  /// Whether a part of the sphere may be in the picture and above the horizon.
   bool sees(const SquareSphere& sphere) const;
 
  private:
+  bool is_below_horizon(const SquareSphere& sphere) const;
+
   glm::dvec3 eye_;
   glm::dvec3 forward_;
+  glm::dvec3 right_;
+  glm::dvec3 up_;
   std::array<glm::dvec3, 4> inward_;  ///< normals of the picture's sides
+  Occluder occluder_;
+  glm::dvec3 eye_of_unit_{0};  ///< where the occluder is the unit sphere
+  double eye_distance_;        ///< its length
   double focal_px_;
   double tolerance_px_;
   double corner_cosine_;  ///< of the angle to the picture's corner

@@ -77,7 +77,7 @@ void BisectionForest::find_neighbours(const LodScene& scene) {
 std::uint64_t BisectionForest::bytes() const {
   std::uint64_t bytes = numbers_.size() * sizeof(std::uint32_t);
   for (const Tree& tree : trees_) {
-    bytes += sizeof(Tree) + tree.masks.size();
+    bytes += sizeof(Tree) + tree.masks.size() * sizeof(Mask);
     for (const auto& beside : tree.beside) bytes += beside.size() * sizeof(Beside);
   }
   return bytes;
@@ -85,10 +85,20 @@ std::uint64_t BisectionForest::bytes() const {
 
 void BisectionForest::begin() {
   for (Tree& tree : trees_) {
-    if (tree.touched) std::fill(tree.masks.begin(), tree.masks.end(), std::uint8_t{0});
+    if (tree.touched) std::fill(tree.masks.begin(), tree.masks.end(), Mask{0});
     tree.touched = false;
   }
-  for (std::size_t i = 0; i < trees_.size(); ++i) enable_corners_of_neighbours(i);
+  open_.clear();
+  any_wanted_ = false;
+}
+
+void BisectionForest::join_corners() {
+  for (std::size_t i = 0; i < trees_.size(); ++i) {
+    enable_corners_of_neighbours(i);
+    const Tree& tree = trees_[i];
+    if (tree.levels > 0 && (tree.masks.front() & kCentre << kWanted) != 0)
+      enable_centre(i, tree.levels, 0, 0);
+  }
 }
 
 void BisectionForest::enable_corners_of_neighbours(std::size_t tile) {
@@ -127,10 +137,11 @@ bool BisectionForest::has(std::size_t tile, int c, int r) const {
 
 void BisectionForest::enable_centre(std::size_t tile, int k, int x, int y) {
   Tree& tree = trees_[tile];
-  std::uint8_t& mask = tree.masks[slot(tree, k, x, y)];
+  Mask& mask = tree.masks[slot(tree, k, x, y)];
   if ((mask & kCentre) != 0) return;
   mask |= kCentre;
   tree.touched = true;
+  open({tile, k, x, y, kCentre});
   if (k == tree.levels) return;
   enable_middle(tile, k + 1, x / 2, y / 2, (y & 1) != 0 ? north : south);
   enable_middle(tile, k + 1, x / 2, y / 2, (x & 1) != 0 ? east : west);
@@ -138,9 +149,10 @@ void BisectionForest::enable_centre(std::size_t tile, int k, int x, int y) {
 
 void BisectionForest::enable_middle(std::size_t tile, int k, int x, int y, Side side) {
   Tree& tree = trees_[tile];
-  std::uint8_t& mask = tree.masks[slot(tree, k, x, y)];
+  Mask& mask = tree.masks[slot(tree, k, x, y)];
   if ((mask & bit_of(side)) != 0) return;
   mask |= bit_of(side);
+  if (k > 1) open({tile, k, x, y, bit_of(side)});
   enable_centre(tile, k, x, y);
   const int bx = x + (side == east ? 1 : side == west ? -1 : 0);
   const int by = y + (side == north ? 1 : side == south ? -1 : 0);
@@ -150,6 +162,7 @@ void BisectionForest::enable_middle(std::size_t tile, int k, int x, int y, Side 
     return;
   }
   tree.masks[slot(tree, k, bx, by)] |= bit_of(opposite(side));
+  if (k > 1) open({tile, k, bx, by, bit_of(opposite(side))});
   enable_centre(tile, k, bx, by);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -23,6 +24,9 @@ class BisectionForest {
  public:
   enum Side : unsigned { south, east, north, west };
   static constexpr int kNeverCull = 16;  ///< a cull_level that no square has
+  /// (column, row) of three samples of a tile's window, anticlockwise; the right angle is the last's.
+  using Corner = std::array<int, 2>;
+  using Triangle = std::array<Corner, 3>;
 
   /// Finds the neighbours. Until the next call a tile is named by its number in this scene.
   void prepare(const LodScene& scene);
@@ -30,11 +34,25 @@ class BisectionForest {
 
   int levels(std::size_t tile) const { return trees_[tile].levels; }  ///< log2 of the window's cells
 
-  /// Begins a mesh: no vertices but the tiles' corners.
+  /// Begins a mesh: no vertices but each tile's own corners, none wanted.
   void begin();
   /// Adds the vertex and all that it needs, in other tiles too. REQUIRES: 1 <= k <= levels(tile).
   void enable_centre(std::size_t tile, int k, int x, int y);
   void enable_middle(std::size_t tile, int k, int x, int y, Side side);
+
+  /// Says that a triangle of this square is not to stay as it is: one that would be bisected at the vertex.
+  /// settle() adds the vertex if the mesh comes to have that triangle; where a larger triangle does, the
+  /// vertex is not needed. REQUIRES: as for the above.
+  void want_centre(std::size_t tile, int k, int x, int y) { want(tile, k, x, y, kCentre); }
+  void want_middle(std::size_t tile, int k, int x, int y, Side side) { want(tile, k, x, y, bit_of(side)); }
+  /// Ends a mesh: adds the corners that tiles have on their neighbours' borders, as far as these have samples
+  /// there, then what is wanted of the mesh's triangles until none wants to be bisected. `confirms(tile,
+  /// triangle)` is asked first, once for each triangle that the mesh comes to have.
+  template <class Confirms>
+  void settle(const Confirms& confirms);
+  void settle() {
+    settle([](std::size_t, const Triangle&) { return true; });
+  }
 
   /// Whether the sample (c, r) of the window is a vertex. REQUIRES: it is not one of its corners.
   bool has(std::size_t tile, int c, int r) const;
@@ -45,8 +63,11 @@ class BisectionForest {
   void append(const LodScene& scene, std::size_t tile, int cull_level, const Sees& sees, LodMesh& mesh);
 
  private:
-  static constexpr std::uint8_t kCentre = 1;
-  static constexpr std::uint8_t bit_of(unsigned side) { return static_cast<std::uint8_t>(2u << side); }
+  /// The vertices of a square that are enabled; shifted, those that are wanted.
+  using Mask = std::uint16_t;
+  static constexpr Mask kCentre = 1;
+  static constexpr Mask bit_of(unsigned side) { return static_cast<Mask>(2u << side); }
+  static constexpr int kWanted = 8;
 
   struct Beside {
     std::size_t tile;
@@ -58,9 +79,17 @@ class BisectionForest {
     std::int64_t spacing = 0;
     LatticePoint corner;
     std::array<std::size_t, 16> first{};  ///< in masks, of each level's squares
-    std::vector<std::uint8_t> masks;      ///< what is enabled of each square
+    std::vector<Mask> masks;
     std::array<std::vector<Beside>, 4> beside;
     bool touched = false;
+  };
+  /// A vertex of a square, whose triangles may want to be bisected.
+  struct Open {
+    std::size_t tile;
+    int k;
+    int x;
+    int y;
+    Mask vertex;
   };
   struct Emitter;
 
@@ -69,13 +98,83 @@ class BisectionForest {
            static_cast<std::size_t>(x);
   }
   void find_neighbours(const LodScene& scene);
+  void want(std::size_t tile, int k, int x, int y, Mask vertex) {
+    Tree& tree = trees_[tile];
+    tree.masks[slot(tree, k, x, y)] |= static_cast<Mask>(vertex << kWanted);
+    tree.touched = any_wanted_ = true;
+  }
+  void open(const Open& square) {
+    if (any_wanted_) open_.push_back(square);
+  }
+  void join_corners();
+  template <class Confirms>
+  void bisect_at_edges(const Open& centre, const Confirms& confirms);
+  template <class Confirms>
+  void bisect_beside(const Open& middle, const Confirms& confirms);
   void enable_beyond(const Tree& tree, int k, int x, int y, Side side);
   void enable_corners_of_neighbours(std::size_t tile);
 
   std::vector<Tree> trees_;
+  std::vector<Open> open_;
+  bool any_wanted_ = false;
   std::vector<std::uint32_t> numbers_;  ///< of the vertices of the tile that is being appended
   std::vector<std::size_t> numbered_;
 };
+
+template <class Confirms>
+void BisectionForest::settle(const Confirms& confirms) {
+  join_corners();
+  while (!open_.empty()) {
+    const Open next = open_.back();
+    open_.pop_back();
+    if (next.vertex == kCentre) {
+      bisect_at_edges(next, confirms);
+    } else {
+      bisect_beside(next, confirms);
+    }
+  }
+}
+
+inline std::array<BisectionForest::Corner, 4> corners_of(int k, int x, int y) {
+  const int west = x << k, south = y << k, east = west + (1 << k), north = south + (1 << k);
+  return {{{west, south}, {east, south}, {east, north}, {west, north}}};
+}
+
+inline BisectionForest::Corner middle_of(const BisectionForest::Corner& a, const BisectionForest::Corner& b) {
+  return {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2};
+}
+
+// A square with its centre has a triangle at each edge without a middle.
+template <class Confirms>
+void BisectionForest::bisect_at_edges(const Open& centre, const Confirms& confirms) {
+  const auto [tile, k, x, y, vertex] = centre;
+  const std::size_t at = slot(trees_[tile], k, x, y);
+  const std::array<Corner, 4> corners = corners_of(k, x, y);
+  const Corner middle = middle_of(corners[0], corners[2]);
+  for (unsigned side = 0; side < 4; ++side) {
+    const Mask mask = trees_[tile].masks[at];
+    if ((mask >> kWanted & ~mask & bit_of(side)) == 0) continue;
+    if (confirms(tile, Triangle{corners[side], corners[(side + 1) % 4], middle}))
+      enable_middle(tile, k, x, y, static_cast<Side>(side));
+  }
+}
+
+// With a middle, there is a triangle on both sides of it: half of a smaller square, unless that has a centre.
+template <class Confirms>
+void BisectionForest::bisect_beside(const Open& middle, const Confirms& confirms) {
+  const auto [tile, k, x, y, vertex] = middle;
+  const auto side = static_cast<unsigned>(std::countr_zero(vertex)) - 1;
+  const std::array<Corner, 4> corners = corners_of(k, x, y);
+  const Corner centre = middle_of(corners[0], corners[2]);
+  const Corner at = middle_of(corners[side], corners[(side + 1) % 4]);
+  for (const unsigned q : {side, (side + 1) % 4}) {
+    const int cx = 2 * x + (q == 1 || q == 2 ? 1 : 0), cy = 2 * y + (q >= 2 ? 1 : 0);
+    const Mask mask = trees_[tile].masks[slot(trees_[tile], k - 1, cx, cy)];
+    if ((mask >> kWanted & ~mask & kCentre) == 0) continue;
+    const Triangle half = q == side ? Triangle{centre, corners[q], at} : Triangle{corners[q], centre, at};
+    if (confirms(tile, half)) enable_centre(tile, k - 1, cx, cy);
+  }
+}
 
 /// Appends one tile; its masks are as they were before begin() after it.
 struct BisectionForest::Emitter {
@@ -114,7 +213,7 @@ struct BisectionForest::Emitter {
   void square(int k, int x, int y, const std::array<std::uint32_t, 4>& corners, int cull_level,
               const Sees& sees) {
     if (k >= cull_level && !sees(k, x, y)) return;
-    const std::uint8_t mask = tree.masks[slot(tree, k, x, y)];
+    const Mask mask = tree.masks[slot(tree, k, x, y)];
     const int h = 1 << (k - 1), c = (2 * x + 1) * h, r = (2 * y + 1) * h;
     const std::uint32_t centre = add(c, r);
     std::array<std::uint32_t, 4> middles{};
@@ -136,9 +235,9 @@ struct BisectionForest::Emitter {
 
   /// Quarter q is at corner q, between side q and the side before.
   template <class Sees>
-  void quarter(int k, int x, int y, unsigned q, std::uint8_t mask,
-               const std::array<std::uint32_t, 4>& corners, const std::array<std::uint32_t, 4>& middles,
-               std::uint32_t centre, int cull_level, const Sees& sees) {
+  void quarter(int k, int x, int y, unsigned q, Mask mask, const std::array<std::uint32_t, 4>& corners,
+               const std::array<std::uint32_t, 4>& middles, std::uint32_t centre, int cull_level,
+               const Sees& sees) {
     const unsigned before = (q + 3) % 4;
     const int cx = 2 * x + (q == 1 || q == 2 ? 1 : 0), cy = 2 * y + (q >= 2 ? 1 : 0);
     if (k > 1 && (tree.masks[slot(tree, k - 1, cx, cy)] & kCentre) != 0) {

@@ -32,7 +32,9 @@ int round_down(float length_m) {
 }
 
 SquareErrors::SquareErrors(const LodScene& scene, const LodTile& tile, bool between_samples)
-    : levels_(std::bit_width(static_cast<unsigned>(tile.heights->size - 1)) - 1) {
+    : positions_(south_west_of(tile.source), lattice_width(tile.source.level) / (tile.heights->size - 1),
+                 tile.heights->size),
+      levels_(std::bit_width(static_cast<unsigned>(tile.heights->size - 1)) - 1) {
   const HeightTile& heights = *tile.heights;
   const double cell = tile_width_degrees(tile.source.level) / (heights.size - 1) * std::numbers::pi / 180;
   chord_of_cell_m_ = cairn::chord_of_cell_m(cell, tile.max_m);
@@ -43,7 +45,7 @@ SquareErrors::SquareErrors(const LodScene& scene, const LodTile& tile, bool betw
   }
   squares_.resize(squares);
   fill(heights, vertex_errors_m(heights, tile.source, scene.quantum_m, between_samples));
-  place_spheres(scene, tile);
+  place_spheres(heights, scene.quantum_m);
 }
 
 void SquareErrors::fill(const HeightTile& heights, const std::vector<float>& errors_m) {
@@ -69,12 +71,9 @@ void SquareErrors::fill(const HeightTile& heights, const std::vector<float>& err
   }
 }
 
-void SquareErrors::place_spheres(const LodScene& scene, const LodTile& tile) {
-  const HeightTile& heights = *tile.heights;
-  const std::int64_t spacing = lattice_width(tile.source.level) / (heights.size - 1);
-  const GridPositions positions(south_west_of(tile.source), spacing, heights.size);
+void SquareErrors::place_spheres(const HeightTile& heights, double quantum_m) {
   const int least = std::min(kSphereLevel, levels_);
-  middle_ = positions.at(heights.size / 2, heights.size / 2, 0);
+  middle_ = positions_.at(heights.size / 2, heights.size / 2, 0);
   spheres_.resize(slot(least, (1 << (levels_ - least)) - 1, (1 << (levels_ - least)) - 1) + 1);
   std::vector<std::array<double, 2>> ranges(spheres_.size());
   for (int k = least; k <= levels_; ++k) {
@@ -86,8 +85,8 @@ void SquareErrors::place_spheres(const LodScene& scene, const LodTile& tile) {
         if (k == least) {
           for (int r = y * s; r <= (y + 1) * s; ++r) {
             for (int c = x * s; c <= (x + 1) * s; ++c) {
-              low = std::min(low, heights.at(c, r) * scene.quantum_m);
-              high = std::max(high, heights.at(c, r) * scene.quantum_m);
+              low = std::min(low, heights.at(c, r) * quantum_m);
+              high = std::max(high, heights.at(c, r) * quantum_m);
             }
           }
         } else {
@@ -97,19 +96,18 @@ void SquareErrors::place_spheres(const LodScene& scene, const LodTile& tile) {
             high = std::max(high, inner[1]);
           }
         }
-        spheres_[slot(k, x, y)] = near_sphere(sphere_over(positions, k, x, y, low, high));
+        spheres_[slot(k, x, y)] = near_sphere(sphere_over(k, x, y, low, high));
       }
     }
   }
 }
 
-SquareSphere SquareErrors::sphere_over(const GridPositions& positions, int k, int x, int y, double low_m,
-                                       double high_m) const {
+SquareSphere SquareErrors::sphere_over(int k, int x, int y, double low_m, double high_m) const {
   const int s = 1 << k;
-  SquareSphere sphere{positions.at(x * s + s / 2, y * s + s / 2, (low_m + high_m) / 2), 0};
+  SquareSphere sphere{positions_.at(x * s + s / 2, y * s + s / 2, (low_m + high_m) / 2), 0};
   for (int q = 0; q < 4; ++q) {
     for (const double height_m : {low_m, high_m}) {
-      const glm::dvec3 corner = positions.at((x + (q & 1)) * s, (y + (q >> 1)) * s, height_m);
+      const glm::dvec3 corner = positions_.at((x + (q & 1)) * s, (y + (q >> 1)) * s, height_m);
       sphere.radius_m = std::max(sphere.radius_m, glm::length(corner - sphere.centre));
     }
   }
@@ -130,7 +128,7 @@ SquareSphere SquareErrors::sphere(int k, int x, int y) const {
 }
 
 std::uint64_t SquareErrors::bytes() const {
-  return squares_.size() * sizeof(SquareError) + spheres_.size() * sizeof(NearSphere);
+  return positions_.bytes() + squares_.size() * sizeof(SquareError) + spheres_.size() * sizeof(NearSphere);
 }
 
 }  // namespace cairn

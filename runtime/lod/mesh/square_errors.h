@@ -51,6 +51,9 @@ class SquareErrors {
   /// most; half of it where it is bisected at a middle. See chord_of_cell_m().
   double chord_m(int k) const { return chord_of_cell_m_ * static_cast<double>(std::uint64_t{1} << (2 * k)); }
 
+  /// Of the tile's samples.
+  const GridPositions& positions() const { return positions_; }
+
   std::uint64_t bytes() const;
 
  private:
@@ -65,11 +68,11 @@ class SquareErrors {
            static_cast<std::size_t>(x);
   }
   void fill(const HeightTile& heights, const std::vector<float>& errors_m);
-  void place_spheres(const LodScene& scene, const LodTile& tile);
-  SquareSphere sphere_over(const GridPositions& positions, int k, int x, int y, double low_m,
-                           double high_m) const;
+  void place_spheres(const HeightTile& heights, double quantum_m);
+  SquareSphere sphere_over(int k, int x, int y, double low_m, double high_m) const;
   NearSphere near_sphere(const SquareSphere& sphere) const;
 
+  GridPositions positions_;
   int levels_;
   double chord_of_cell_m_;
   std::array<std::size_t, 16> first_{};
