@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "runtime/lab/greedy_tin.h"
 #include "runtime/lab/scene_use.h"
@@ -16,8 +17,7 @@ struct Flyer {
   const Contender* contender = nullptr;
   double tolerance_px = 0;
   std::unique_ptr<LodMethod> lod;
-  PlacedMesh before;
-  bool has_before = false;
+  std::optional<PlacedMesh> before;
 };
 
 std::vector<Flyer> flyers_of(const CompareSpec& spec) {
@@ -26,7 +26,7 @@ std::vector<Flyer> flyers_of(const CompareSpec& spec) {
   for (const double tolerance_px : spec.tolerances_px) {
     for (const Contender& contender : spec.contenders) {
       if (contender.method == lod_method("full") && tolerance_px < largest) continue;
-      flyers.push_back({&contender, tolerance_px, contender.method->create(contender.options), {}, false});
+      flyers.push_back({&contender, tolerance_px, contender.method->create(contender.options), {}});
     }
   }
   return flyers;
@@ -71,11 +71,12 @@ class Race {
       ViewState view = path_.views[frame];
       view.viewport_width_px = spec_.width_px;
       view.viewport_height_px = spec_.height_px;
-      const auto picture = FinestPicture::of(terrain_, view, spec_.threads);
+      auto picture = FinestPicture::of(terrain_, view, spec_.threads);
       if (!picture) return picture.error();
       for (const double tolerance_px : spec_.tolerances_px) {
         if (const Status status = fly_tolerance(frame, view, *picture, tolerance_px); !status) return status;
       }
+      picture_before_.emplace(std::move(*picture));
     }
     return {};
   }
@@ -134,13 +135,17 @@ class Race {
     LodMesh mesh = flyer.lod->build(scene, {view, flyer.tolerance_px, true});
     count_mesh(mesh, record);
     PlacedMesh now = place(scene, std::move(mesh), spec_.threads);
-    record.error = picture.measure(now, flyer.has_before ? &flyer.before : nullptr);
-    record.joins = flyer.has_before;
+    record.joins = flyer.before.has_value();
+    if (record.joins) {
+      const FinestPicture::Before before{*flyer.before, *picture_before_};
+      record.error = picture.measure(now, &before);
+    } else {
+      record.error = picture.measure(now, nullptr);
+    }
     constexpr double kMeasureError_px = 1e-3;
     record.keeps_tolerance =
         record.error.max_px <= flyer.tolerance_px + kMeasureError_px && record.error.holes == 0;
     flyer.before = std::move(now);
-    flyer.has_before = true;
     if (checks_faults(flyer, record.frame)) {
       record.faults = find_faults(scene, flyer.lod->build(scene, {view, flyer.tolerance_px, false}));
     }
@@ -157,6 +162,7 @@ class Race {
   const CompareSpec& spec_;
   const TakeRecord& take_;
   std::vector<Flyer> flyers_;
+  std::optional<FinestPicture> picture_before_;
   std::map<double, std::vector<TileId>> sources_before_;
 };
 

@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "runtime/lab/delaunay.h"
+#include "runtime/lab/horizon.h"
 #include "runtime/lattice.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/screen.h"
@@ -26,6 +27,7 @@ struct Sample {
   float u = 0;  ///< on the picture, pixels from its middle
   float v = 0;
   glm::dvec3 at{0};  ///< right, up, and along the view
+  float height_m = 0;
 };
 
 /// The finest samples in a picture, on one grid of the finest spacing among them.
@@ -36,8 +38,8 @@ class PictureSamples {
         view_(view),
         screen_(view),
         volume_(view, Occluder(terrain.lowest_m())),
-        middle_(static_cast<std::int64_t>(
-            std::llround((view.eye.lon + 180) * (std::int64_t{1} << kLatticeLevel)))) {}
+        horizon_(screen_.camera().position, Occluder(terrain.lowest_m())),
+        middle_(static_cast<std::int64_t>(std::llround(view.eye.lon + 180)) << kLatticeLevel) {}
 
   Status collect() {
     for (const FinestArea& area : terrain_.finest()) {
@@ -53,6 +55,15 @@ class PictureSamples {
   }
 
   std::vector<Sample>& samples() { return samples_; }
+  LatticePoint point_of(const GridPlace& place) const {
+    return canonical({place.column * unit_ + middle_ - kLatticeAround / 2, place.row * unit_});
+  }
+  /// In the camera; beyond a pole, of the pole.
+  glm::dvec3 position_of(const GridPlace& place, double height_m) const {
+    LatticePoint point = point_of(place);
+    point.y = std::clamp<std::int64_t>(point.y, 0, kLatticePoleToPole);
+    return in_camera(to_geocentric(point, height_m));
+  }
 
  private:
   std::int64_t spacing_of(const TileId& source) const {
@@ -70,14 +81,21 @@ class PictureSamples {
       for (int c = 0; c <= cells; ++c) {
         if (heights.is_void(column + c, row + r)) continue;
         const double height_m = heights.at(column + c, row + r) * terrain_.pack().header().quantum_m;
-        const glm::dvec3 to = positions.at(c, r, height_m) - screen_.camera().position;
+        const glm::dvec3 point = positions.at(c, r, height_m);
+        if (horizon_.hides(point)) continue;
         add({{across_from_eye(corner.x + c * spacing) / unit_, (corner.y + r * spacing) / unit_},
              0,
              0,
-             {glm::dot(to, screen_.camera().right), glm::dot(to, screen_.camera().up),
-              glm::dot(to, screen_.camera().forward)}});
+             in_camera(point),
+             static_cast<float>(height_m)});
       }
     }
+  }
+
+  glm::dvec3 in_camera(const glm::dvec3& point) const {
+    const glm::dvec3 to = point - screen_.camera().position;
+    return {glm::dot(to, screen_.camera().right), glm::dot(to, screen_.camera().up),
+            glm::dot(to, screen_.camera().forward)};
   }
 
   void add(Sample sample) {
@@ -100,16 +118,18 @@ class PictureSamples {
   const ViewState view_;
   const Screen screen_;
   const ViewVolume volume_;
-  const std::int64_t middle_;
+  const Horizon horizon_;
+  const std::int64_t middle_;  ///< at a whole degree, so that it is a multiple of every spacing
   std::int64_t unit_ = std::int64_t{1} << kLatticeLevel;
   std::vector<Sample> samples_;
 };
 
 class Insertion {
  public:
-  Insertion(std::vector<Sample> samples, double focal_px)
-      : samples_(std::move(samples)), focal_px_(focal_px), net_(south_west(), north_east()) {
-    for (const GridPlace& corner : net_.places()) vertices_.push_back(nearest(corner).at);
+  Insertion(PictureSamples& picture, double focal_px)
+      : samples_(std::move(picture.samples())), focal_px_(focal_px), net_(south_west(), north_east()) {
+    for (const GridPlace& corner : net_.places())
+      vertices_.push_back(picture.position_of(corner, static_cast<double>(nearest(corner).height_m)));
     buckets_.resize(2);
     for (std::size_t i = 0; i < samples_.size(); ++i)
       buckets_[net_.covers(0, samples_[i].place) ? 0 : 1].push_back(static_cast<std::uint32_t>(i));
@@ -117,14 +137,23 @@ class Insertion {
     for (const std::size_t t : {0, 1}) measure(t);
   }
 
-  GreedyTin run(double tolerance_px, std::size_t most_vertices) {
+  template <class PointOf>
+  GreedyTin run(double tolerance_px, std::size_t most_vertices, const PointOf& point_of) {
     while (!queue_.empty() && vertices_.size() < most_vertices) {
       const Entry top = queue_.top();
       if (top.error_px <= tolerance_px) break;
       queue_.pop();
       if (worst_[top.triangle].version == top.version) insert(top.triangle);
     }
-    return count();
+    GreedyTin tin = count();
+    for (std::size_t i = 0; i < vertices_.size(); ++i)
+      tin.net.push_back({point_of(net_.places()[i]), vertices_[i]});
+    for (const auto& triangle : net_.triangles()) {
+      const auto& v = triangle.vertices;
+      tin.faces.push_back({static_cast<std::uint32_t>(v[0]), static_cast<std::uint32_t>(v[1]),
+                           static_cast<std::uint32_t>(v[2])});
+    }
+    return tin;
   }
 
  private:
@@ -210,7 +239,9 @@ class Insertion {
   }
 
   GreedyTin count() const {
-    GreedyTin result{0, vertices_.size() - 4, samples_.size(), 0};
+    GreedyTin result;
+    result.vertices = vertices_.size() - 4;
+    result.samples = samples_.size();
     for (std::size_t t = 0; t < net_.triangles().size(); ++t) {
       const auto& v = net_.triangles()[t].vertices;
       const bool touches =
@@ -237,8 +268,8 @@ Result<GreedyTin> greedy_tin(LabTerrain& terrain, const ViewState& view, double 
   PictureSamples picture(terrain, view);
   if (auto status = picture.collect(); !status) return status.error();
   if (picture.samples().empty()) return GreedyTin{};
-  return Insertion(std::move(picture.samples()), Screen(view).pixels_per_radian())
-      .run(tolerance_px, most_vertices);
+  return Insertion(picture, Screen(view).pixels_per_radian())
+      .run(tolerance_px, most_vertices, [&](const GridPlace& place) { return picture.point_of(place); });
 }
 
 }  // namespace cairn

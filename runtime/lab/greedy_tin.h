@@ -2,15 +2,28 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
 
 #include "format/status.h"
 #include "runtime/lab/lab_terrain.h"
+#include "runtime/lattice.h"
+#include "runtime/lod_method.h"
 #include "runtime/view_state.h"
 
 namespace cairn {
 
 /// A triangulated irregular network of one picture.
 struct GreedyTin {
+  /// The first four are corners around all samples, at the height of the sample nearest to each.
+  struct Vertex {
+    LatticePoint point;    ///< canonical
+    glm::dvec3 in_camera;  ///< metres to the right, up, and along the view
+  };
+  std::vector<Vertex> net;
+  std::vector<LodTriangle> faces;  ///< all, also those without a sample
+
   std::uint64_t triangles = 0;  ///< with a sample of the picture inside or at a corner
   std::uint64_t vertices = 0;
   std::uint64_t samples = 0;  ///< in the picture
@@ -21,8 +34,9 @@ struct GreedyTin {
 /// approximation of terrains and height fields", algorithm III) over all finest samples in the picture, the
 /// sample with the largest screen error first, until none is above the tolerance. Screen error is
 /// FinestPicture's: between a sample and the plane of its triangle at the same longitude and latitude, in
-/// geocentric coordinates. Not a true lower bound, but free of all that a method has to keep: levels, tiles,
-/// borders, time. Triangles are Delaunay in longitude and latitude.
+/// geocentric coordinates; the samples are its own, none that the horizon hides. Not a true lower bound, but
+/// free of all that a method has to keep: levels, tiles, borders, time. Triangles are Delaunay in longitude
+/// and latitude.
 ///
 /// Takes seconds and 100 bytes a sample in the picture. Ends early at `most_vertices`; max_px tells.
 Result<GreedyTin> greedy_tin(LabTerrain& terrain, const ViewState& view, double tolerance_px,

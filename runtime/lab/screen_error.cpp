@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "runtime/lab/horizon.h"
 #include "runtime/lab/parallel.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/visible_set.h"
@@ -21,25 +22,6 @@ glm::dvec3 in_camera(const CameraFrame& camera, const glm::dvec3& point) {
   const glm::dvec3 to = point - camera.position;
   return {glm::dot(to, camera.right), glm::dot(to, camera.up), glm::dot(to, camera.forward)};
 }
-
-/// Whether the ellipsoid hides a point; see BoundingVolume.
-class Horizon {
- public:
-  Horizon(const glm::dvec3& eye, const Occluder& occluder)
-      : radii_(occluder.radii), eye_(eye / occluder.radii), square_(glm::dot(eye_, eye_) - 1) {}
-
-  bool hides(const glm::dvec3& point) const {
-    if (square_ <= 0) return false;
-    const glm::dvec3 to = point / radii_ - eye_;
-    const double behind = -glm::dot(to, eye_);
-    return behind > square_ && behind * behind > square_ * glm::dot(to, to);
-  }
-
- private:
-  glm::dvec3 radii_;
-  glm::dvec3 eye_;
-  double square_;
-};
 
 bool contains(const TileId& outer, const TileId& inner) {
   return outer.level <= inner.level && ancestor_of(inner, outer.level) == outer;
@@ -136,7 +118,7 @@ Result<FinestPicture> FinestPicture::of(LabTerrain& terrain, const ViewState& vi
     if (!tile) return tile.error();
     heights.push_back(*tile);
     sources.push_back(finest.source.id);
-    picture.leaves_.push_back({south_west_of(finest.area), finest.area, 0, 0, {}});
+    picture.leaves_.push_back({south_west_of(finest.area), finest.area, 0, 0, {}, {}});
   }
   std::vector<char> seen(picture.leaves_.size());
   for_each_index(picture.leaves_.size(), threads, [&](std::size_t i) {
@@ -164,9 +146,11 @@ bool FinestPicture::fill(Leaf& leaf, const HeightTile& heights, const TileId& so
   const double half_width = view_.viewport_width_px / 2.0, half_height = view_.viewport_height_px / 2.0;
   leaf.samples.assign(static_cast<std::size_t>(leaf.side) * static_cast<std::size_t>(leaf.side),
                       {kNowhere, kNowhere});
+  leaf.seen.assign(static_cast<std::size_t>(leaf.side), {leaf.side, 0});
   bool any = false;
   std::size_t i = 0;
   for (int r = 0; r < leaf.side; ++r) {
+    auto& [first, end] = leaf.seen[static_cast<std::size_t>(r)];
     for (int c = 0; c < leaf.side; ++c, ++i) {
       if (heights.is_void(column + c, row + r)) continue;
       const glm::dvec3 point = positions.at(c, r, heights.at(column + c, row + r) * quantum_m);
@@ -175,6 +159,8 @@ bool FinestPicture::fill(Leaf& leaf, const HeightTile& heights, const TileId& so
       const double u = p.x * screen_.pixels_per_radian() / p.z, v = p.y * screen_.pixels_per_radian() / p.z;
       if (std::abs(u) > half_width || std::abs(v) > half_height || horizon.hides(point)) continue;
       leaf.samples[i] = {static_cast<float>(u), static_cast<float>(v)};
+      first = std::min(first, c);
+      end = c + 1;
       any = true;
     }
   }
@@ -206,14 +192,14 @@ void FinestPicture::draw(const Projected& mesh, const Leaf& leaf, std::vector<Pi
         v[k] = {static_cast<double>(p.x - leaf.corner.x) * scale,
                 static_cast<double>(p.y - leaf.corner.y) * scale, mesh.vertices[i][t[k]]};
       }
-      draw_triangle(v, leaf.side, out);
+      draw_triangle(v, leaf, out);
     }
   }
 }
 
 /// At every sample of the grid that the triangle covers, its edges included.
-void FinestPicture::draw_triangle(const GridVertex (&v)[3], int side, std::vector<Pixel>& out) const {
-  const int last = side - 1;
+void FinestPicture::draw_triangle(const GridVertex (&v)[3], const Leaf& leaf, std::vector<Pixel>& out) const {
+  const int last = leaf.side - 1;
   Span columns, rows;
   for (const GridVertex& vertex : v) columns.add(vertex.column), rows.add(vertex.row);
   if (columns.high < 0 || rows.high < 0 || columns.low > last || rows.low > last) return;
@@ -221,11 +207,14 @@ void FinestPicture::draw_triangle(const GridVertex (&v)[3], int side, std::vecto
   const Plane plane(v[0], v[1], v[2]);
   const int last_row = static_cast<int>(std::min<double>(std::floor(rows.high), last));
   for (int r = static_cast<int>(std::max(std::ceil(rows.low), 0.0)); r <= last_row; ++r) {
+    const auto& [seen_first, seen_end] = leaf.seen[static_cast<std::size_t>(r)];
+    if (seen_first >= seen_end) continue;
     const Span span = span_in_row(v, r);
-    const int first = static_cast<int>(std::max(std::ceil(span.low - 1e-9), 0.0));
-    const int end = static_cast<int>(std::min<double>(std::floor(span.high + 1e-9), last));
+    const int first = static_cast<int>(std::max<double>(std::ceil(span.low - 1e-9), seen_first));
+    const int end = static_cast<int>(std::min<double>(std::floor(span.high + 1e-9), seen_end - 1));
+    if (first > end) continue;
     const glm::dvec3 start = plane.at(0, r);
-    Pixel* row = &out[static_cast<std::size_t>(r) * static_cast<std::size_t>(side)];
+    Pixel* row = &out[static_cast<std::size_t>(r) * static_cast<std::size_t>(leaf.side)];
     for (int c = first; c <= end; ++c) {
       const double z = start.z + plane.east.z * c;
       const double f = z > 0 ? screen_.pixels_per_radian() / z : std::numeric_limits<double>::infinity();
@@ -235,38 +224,60 @@ void FinestPicture::draw_triangle(const GridVertex (&v)[3], int side, std::vecto
   }
 }
 
-void FinestPicture::compare(const Leaf& leaf, const std::vector<Pixel>& now, const std::vector<Pixel>* before,
-                            Tally& tally) const {
-  const auto squared = [](const Pixel& a, const Pixel& b) {
-    const double du = static_cast<double>(a.u - b.u), dv = static_cast<double>(a.v - b.v);
-    return du * du + dv * dv;
-  };
-  double worst = -1, pop = 0;
+double FinestPicture::squared_px(const Pixel& a, const Pixel& b) {
+  const double du = static_cast<double>(a.u - b.u), dv = static_cast<double>(a.v - b.v);
+  return du * du + dv * dv;
+}
+
+void FinestPicture::compare(const Leaf& leaf, const std::vector<Pixel>& now, Tally& tally) const {
+  double worst = -1;
   std::size_t worst_index = 0;
-  for (std::size_t i = 0; i < leaf.samples.size(); ++i) {
-    if (std::isnan(leaf.samples[i].u)) continue;
-    ++tally.error.samples;
-    const double square = squared(leaf.samples[i], now[i]);
-    if (!(square < std::numeric_limits<double>::infinity())) {
-      ++tally.error.holes;
-      continue;
-    }
-    tally.sum_of_squares += square;
-    if (square > worst) {
-      worst = square;
-      worst_index = i;
-    }
-    if (before) {
-      const double moved = squared(now[i], (*before)[i]);
-      if (moved > pop) pop = moved;
+  for (int r = 0; r < leaf.side; ++r) {
+    const std::size_t row = static_cast<std::size_t>(r) * static_cast<std::size_t>(leaf.side);
+    const auto& [first, end] = leaf.seen[static_cast<std::size_t>(r)];
+    for (int c = first; c < end; ++c) {
+      const std::size_t i = row + static_cast<std::size_t>(c);
+      if (std::isnan(leaf.samples[i].u)) continue;
+      ++tally.error.samples;
+      const double square = squared_px(leaf.samples[i], now[i]);
+      if (!(square < std::numeric_limits<double>::infinity())) {
+        ++tally.error.holes;
+        continue;
+      }
+      tally.sum_of_squares += square;
+      if (square > worst) {
+        worst = square;
+        worst_index = i;
+      }
     }
   }
   if (worst < 0) return;
   tally.error.max_px = std::sqrt(worst);
-  tally.error.max_pop_px = std::sqrt(pop);
   const auto side = static_cast<std::size_t>(leaf.side);
   tally.error.worst = {leaf.corner.x + static_cast<std::int64_t>(worst_index % side) * leaf.spacing,
                        leaf.corner.y + static_cast<std::int64_t>(worst_index / side) * leaf.spacing};
+}
+
+void FinestPicture::compare_before(const Leaf& leaf, const std::vector<Pixel>& now, const Leaf& leaf_before,
+                                   const std::vector<Pixel>& before, Tally& tally) const {
+  double pop = 0;
+  for (int r = 0; r < leaf.side; ++r) {
+    const std::size_t row = static_cast<std::size_t>(r) * static_cast<std::size_t>(leaf.side);
+    const auto& [first, end] = leaf.seen[static_cast<std::size_t>(r)];
+    for (int c = first; c < end; ++c) {
+      const std::size_t i = row + static_cast<std::size_t>(c);
+      if (std::isnan(leaf.samples[i].u) || std::isnan(leaf_before.samples[i].u)) continue;
+      const double moved = squared_px(now[i], before[i]);
+      if (moved > pop) pop = moved;
+    }
+  }
+  tally.error.max_pop_px = std::sqrt(pop);
+}
+
+const FinestPicture::Leaf* FinestPicture::leaf_of(const TileId& area) const {
+  const auto it =
+      std::find_if(leaves_.begin(), leaves_.end(), [&](const Leaf& leaf) { return leaf.area == area; });
+  return it == leaves_.end() ? nullptr : &*it;
 }
 
 std::uint64_t FinestPicture::count_useful(const Projected& mesh) const {
@@ -294,15 +305,19 @@ std::uint64_t FinestPicture::count_useful(const Projected& mesh) const {
   return useful;
 }
 
-ScreenError FinestPicture::measure(const PlacedMesh& mesh, const PlacedMesh* before) const {
+ScreenError FinestPicture::measure(const PlacedMesh& mesh, const Before* before) const {
   const Projected now = project(mesh);
-  const Projected then = before ? project(*before) : Projected{};
+  const Projected then = before ? project(before->mesh) : Projected{};
   std::vector<Tally> tallies(leaves_.size());
   for_each_index(leaves_.size(), threads_, [&](std::size_t i) {
     thread_local std::vector<Pixel> drawn, drawn_before;
-    draw(now, leaves_[i], drawn);
-    if (before) draw(then, leaves_[i], drawn_before);
-    compare(leaves_[i], drawn, before ? &drawn_before : nullptr, tallies[i]);
+    const Leaf& leaf = leaves_[i];
+    draw(now, leaf, drawn);
+    compare(leaf, drawn, tallies[i]);
+    const Leaf* leaf_before = before ? before->picture.leaf_of(leaf.area) : nullptr;
+    if (!leaf_before) return;
+    draw(then, leaf, drawn_before);
+    compare_before(leaf, drawn, *leaf_before, drawn_before, tallies[i]);
   });
   Tally sum;
   for (const Tally& tally : tallies) sum.add(tally);

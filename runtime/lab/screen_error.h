@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -28,7 +29,7 @@ struct ScreenError {
   std::uint64_t samples = 0;  ///< finest samples in the picture
   std::uint64_t holes = 0;    ///< of these, where the mesh has nothing, or nothing in front of the eye
   double max_pop_px = 0;      ///< how far the mesh's point at a sample is from where the mesh before had it,
-                              ///< both as seen now: what moves without the camera
+                              ///< both as seen now, where it was seen before: what moves without the camera
   LatticePoint worst;         ///< the sample of max_px
   std::uint64_t useful_triangles = 0;  ///< that touch the picture with a quarter of a square pixel or more
 };
@@ -43,8 +44,13 @@ class FinestPicture {
  public:
   static Result<FinestPicture> of(LabTerrain& terrain, const ViewState& view, int threads);
 
+  /// What was drawn before, and the picture that it was drawn for.
+  struct Before {
+    const PlacedMesh& mesh;
+    const FinestPicture& picture;
+  };
   /// Against a mesh, and popping against the one before if there is one.
-  ScreenError measure(const PlacedMesh& mesh, const PlacedMesh* before) const;
+  ScreenError measure(const PlacedMesh& mesh, const Before* before) const;
 
   /// A mesh's vertex on a tile's grid of samples, and its place in the camera: right, up, along the view.
   struct GridVertex {
@@ -62,8 +68,9 @@ class FinestPicture {
     LatticePoint corner;
     TileId area;
     std::int64_t spacing = 0;
-    int side = 0;                ///< samples along a side
-    std::vector<Pixel> samples;  ///< NaN: not in the picture
+    int side = 0;                          ///< samples along a side
+    std::vector<Pixel> samples;            ///< NaN: not in the picture
+    std::vector<std::array<int, 2>> seen;  ///< of each row, the first that is and one past the last
   };
   struct Projected;
   struct Tally;
@@ -74,9 +81,12 @@ class FinestPicture {
   Projected project(const PlacedMesh& mesh) const;
   std::uint64_t count_useful(const Projected& mesh) const;
   void draw(const Projected& mesh, const Leaf& leaf, std::vector<Pixel>& out) const;
-  void draw_triangle(const GridVertex (&v)[3], int side, std::vector<Pixel>& out) const;
-  void compare(const Leaf& leaf, const std::vector<Pixel>& now, const std::vector<Pixel>* before,
-               Tally& tally) const;
+  void draw_triangle(const GridVertex (&v)[3], const Leaf& leaf, std::vector<Pixel>& out) const;
+  void compare(const Leaf& leaf, const std::vector<Pixel>& now, Tally& tally) const;
+  void compare_before(const Leaf& leaf, const std::vector<Pixel>& now, const Leaf& leaf_before,
+                      const std::vector<Pixel>& before, Tally& tally) const;
+  static double squared_px(const Pixel& a, const Pixel& b);
+  const Leaf* leaf_of(const TileId& area) const;
 
   ViewState view_;
   Screen screen_;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include <catch2/catch.hpp>
@@ -19,11 +17,7 @@ namespace {
 using nlohmann::json;
 using test::is_one_line;
 using test::run_cairn;
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+using test::text_of;
 
 std::string pack_in(const std::filesystem::path& folder) {
   test::TestSurface surface;

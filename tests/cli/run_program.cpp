@@ -21,11 +21,6 @@ void redirect(int descriptor, const std::filesystem::path& path, int flags) {
   if (file < 0 || ::dup2(file, descriptor) < 0) ::_exit(126);
 }
 
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 // Its stdin, stdout and stderr are files of that folder.
 pid_t start(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
   std::vector<std::string> words{CAIRN_PROGRAM};
@@ -46,6 +41,11 @@ pid_t start(const std::vector<std::string>& arguments, const std::filesystem::pa
 }
 
 }  // namespace
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
 
 Ran run_cairn(const std::vector<std::string>& arguments, const std::string& input) {
   const TempDir dir;

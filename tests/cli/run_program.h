@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ Ran run_cairn(const std::vector<std::string>& arguments, const std::string& inpu
 
 /// Starts it, and kills it (as kill -9 does) after a while; whether it was still running.
 bool run_cairn_and_kill(const std::vector<std::string>& arguments, std::chrono::milliseconds after);
+
+/// A file's bytes; empty where it cannot be read.
+std::string text_of(const std::filesystem::path& path);
 
 /// Whether the text is exactly one line.
 bool is_one_line(const std::string& text);

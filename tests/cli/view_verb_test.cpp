@@ -50,11 +50,6 @@ std::string write_flight(const TempDir& dir, double seconds) {
   return path.string();
 }
 
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 }  // namespace
 
 TEST_CASE("cairn view --screenshot draws a picture of the size asked for, the same each time") {

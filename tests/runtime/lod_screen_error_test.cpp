@@ -103,7 +103,8 @@ TEST_CASE("The method `full` has no screen error against its own tiles, and no h
     const auto picture = FinestPicture::of(terrain, view, 2);
     REQUIRE(picture.ok());
     const PlacedMesh mesh = place(*scene, mesh_of("full", *scene, {view, 1, true}), 2);
-    const ScreenError error = picture->measure(mesh, &mesh);
+    const FinestPicture::Before before{mesh, *picture};
+    const ScreenError error = picture->measure(mesh, &before);
     CHECK(error.samples > 1000);
     CHECK(error.max_px < 2e-4);
     CHECK(error.holes == 0);
@@ -121,7 +122,8 @@ TEST_CASE("Screen error and popping are what an independent projection finds") {
   REQUIRE(picture.ok());
   const PlacedMesh fine = place(*scene, mesh_of("geomip", *scene, {view, 8, false}), 2);
   const PlacedMesh coarse = place(*scene, mesh_of("geomip", *scene, {view, 32, false}), 2);
-  const ScreenError error = picture->measure(fine, &coarse);
+  const FinestPicture::Before before{coarse, *picture};
+  const ScreenError error = picture->measure(fine, &before);
   REQUIRE(error.holes == 0);
   CHECK(error.rms_px > 0);
   CHECK(error.rms_px < error.max_px);
@@ -142,6 +144,23 @@ TEST_CASE("Screen error and popping are what an independent projection finds") {
     CHECK(distance(p, true_point(p), fine.mesh) <= error.max_px + 1e-3);
     CHECK(distance(p, *point_on(coarse.mesh, p), fine.mesh) <= error.max_pop_px + 1e-3);
   }
+}
+
+TEST_CASE("What was not in the picture before does not pop") {
+  const HillPack pack;
+  LabTerrain terrain = pack.open();
+  const ViewState view = view_of_hills(-20);
+  ViewState away = view;
+  away.heading_deg += 180;
+  const auto scene = terrain.scene_for(view, {});
+  REQUIRE(scene.ok());
+  const auto picture = FinestPicture::of(terrain, view, 2), elsewhere = FinestPicture::of(terrain, away, 2);
+  REQUIRE((picture.ok() && elsewhere.ok()));
+  const PlacedMesh fine = place(*scene, mesh_of("geomip", *scene, {view, 8, false}), 2);
+  const PlacedMesh coarse = place(*scene, mesh_of("geomip", *scene, {view, 32, false}), 2);
+  const FinestPicture::Before seen{coarse, *picture}, unseen{coarse, *elsewhere};
+  CHECK(picture->measure(fine, &seen).max_pop_px > 0);
+  CHECK(picture->measure(fine, &unseen).max_pop_px == 0);
 }
 
 TEST_CASE("A place that the mesh does not cover is a hole") {
