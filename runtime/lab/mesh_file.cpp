@@ -55,8 +55,8 @@ std::string obj_text(const WholeMesh& mesh, bool ecef) {
       ecef ? "# geocentric metres, WGS84\n" : "# longitude, latitude in degrees, height in metres\n";
   for (const LodVertex& v : mesh.vertices) append_vertex(v, ecef, out += "v ");
   for (const LodTriangle& t : mesh.triangles) {
-    out += "f";
-    for (const std::uint32_t v : t) out += " " + std::to_string(v + 1);
+    out += 'f';
+    for (const std::uint32_t v : t) out.append(1, ' ').append(std::to_string(v + 1));
     out += "\n";
   }
   return out;
@@ -70,8 +70,8 @@ std::string ply_text(const WholeMesh& mesh, bool ecef) {
          std::to_string(mesh.triangles.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
   for (const LodVertex& v : mesh.vertices) append_vertex(v, ecef, out);
   for (const LodTriangle& t : mesh.triangles) {
-    out += "3";
-    for (const std::uint32_t v : t) out += " " + std::to_string(v);
+    out += '3';
+    for (const std::uint32_t v : t) out.append(1, ' ').append(std::to_string(v));
     out += "\n";
   }
   return out;

@@ -90,9 +90,12 @@ std::string to_csv(const FrameRecord& record) {
     std::snprintf(number_text, sizeof number_text, "%.9g", value);
     return std::string(number_text);
   };
-  std::string line = record.flight + "," + record.method + "," + text(record.tolerance_px) + "," +
-                     std::to_string(record.frame);
-  for (const Column& column : kColumns) line += "," + text(column.value(record));
+  std::string line = record.flight;
+  const auto append = [&](const std::string& cell) { line.append(1, ',').append(cell); };
+  append(record.method);
+  append(text(record.tolerance_px));
+  append(std::to_string(record.frame));
+  for (const Column& column : kColumns) append(text(column.value(record)));
   return line + "\n";
 }
 
