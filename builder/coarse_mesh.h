@@ -16,7 +16,7 @@ struct PlanePoint {
 };
 
 /// The step at which a mesh of a projection is within 1e-4 of a place, up to 84° of latitude: 16 places or
-/// 1/16 degree, the smaller.
+/// 1/16 degree, the smaller; 64 where places are dense, 1/128 degree or less.
 std::int64_t projection_mesh_step(double places_per_degree);
 
 /// A smooth but costly map from whole-numbered places to the plane, evaluated at every step-th place (by

@@ -1,6 +1,7 @@
 #include "builder/linear_image.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cstring>
 
@@ -32,29 +33,44 @@ bool is_empty(const LinearImage& image) {
   return true;
 }
 
+namespace {
+
+// One texel with some transparency: R, G, B divided by alpha, and alpha, as 16-bit numbers from the lowest
+// up.
+std::uint64_t unmultiplied(std::uint64_t texel) {
+  const std::uint64_t alpha = texel >> 48;
+  if (alpha == 0) return texel;
+  std::uint64_t plain = alpha << 48;
+  for (int shift = 0; shift < 48; shift += 16)
+    plain |= std::min<std::uint64_t>(65535, ((texel >> shift & 65535) * 65535 + alpha / 2) / alpha) << shift;
+  return plain;
+}
+
+}  // namespace
+
 SrgbImage to_srgb(const LinearImage& image) {
-  const auto& codes = srgb_of_linear();
+  static_assert(std::endian::native == std::endian::little);
+  const std::uint8_t* codes = srgb_of_linear().data();
   const auto columns = static_cast<std::size_t>(image.columns);
-  SrgbImage srgb{UnsetVector<std::uint8_t>(4 * columns * static_cast<std::size_t>(image.rows)), false};
+  SrgbImage srgb{UnsetVector<std::uint8_t>(4 * columns * static_cast<std::size_t>(image.rows)), true};
   std::uint8_t* out = srgb.rgba.data();
-  std::uint32_t all = ~0U;
   for (int r = 0; r < image.rows; ++r) {
     const LinearTexel* row = image.row(r);
     for (std::size_t c = 0; c < columns; ++c, out += 4) {
-      LinearTexel texel = row[c];
-      const std::uint32_t alpha = texel[3];
-      if (alpha != 65535 && alpha != 0) {
-        for (std::size_t i = 0; i < 3; ++i)
-          texel[i] = static_cast<std::uint16_t>(std::min(65535U, (texel[i] * 65535U + alpha / 2) / alpha));
+      std::uint64_t texel = 0;
+      std::memcpy(&texel, row + c, sizeof texel);
+      std::uint32_t alpha = 255;
+      if (texel >> 48 != 65535) {
+        texel = unmultiplied(texel);
+        alpha = static_cast<std::uint32_t>(((texel >> 48) + 128) / 257);
+        srgb.is_opaque = srgb.is_opaque && alpha == 255;
       }
-      const std::uint32_t packed =
-          static_cast<std::uint32_t>(codes[texel[0]] | codes[texel[1]] << 8 | codes[texel[2]] << 16) |
-          (alpha + 128) / 257 << 24;
+      const std::uint32_t red = codes[texel & 65535], green = codes[texel >> 16 & 65535],
+                          blue = codes[texel >> 32 & 65535];
+      const std::uint32_t packed = red | green << 8 | blue << 16 | alpha << 24;
       std::memcpy(out, &packed, sizeof packed);
-      all &= packed;
     }
   }
-  srgb.is_opaque = all >> 24 == 255;
   return srgb;
 }
 

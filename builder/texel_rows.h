@@ -25,8 +25,8 @@ class TexelRows {
   void combine(std::span<const WideTexel* const> rows, const float* weights, std::size_t width,
                LinearTexel* out) const;
   /// out[t] = the cubic (PixelTaps, texels no larger than pixels) at places[t], clamped and rounded; places
-  /// are columns and rows of pixels, 0 the first one's centre. REQUIRES: each place is > -2, and the 4×4
-  /// pixels around it lie in the rectangle.
+  /// are columns and rows of pixels, 0 the first one's centre. REQUIRES: each place is > -2 and < 2^31 - 4,
+  /// and the 4×4 pixels around it lie in the rectangle.
   void interpolate(const WidePixels& pixels, std::span<const PlanePoint> places, LinearTexel* out) const;
   /// Whether every place lies in a rectangle, its sides belonging to it.
   bool all_within(std::span<const PlanePoint> places, const PlanePoint& low, const PlanePoint& high) const;

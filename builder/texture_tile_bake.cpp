@@ -90,20 +90,51 @@ std::int32_t psnr_of(const Rgba& image, const TextureTile& tile, bool opaque) {
   return psnr_of(error);
 }
 
-// Gives `use` each mip of the tile in linear light, its edges agreed upon, the finest first.
+// A mip's outermost texels, which are put back where they were.
+class Frame {
+ public:
+  explicit Frame(LinearImage& mip) : mip_(mip) {
+    for_each_texel([&](LinearTexel& texel) { texels_.push_back(texel); });
+  }
+  ~Frame() {
+    std::size_t i = 0;
+    for_each_texel([&](LinearTexel& texel) { texel = texels_[i++]; });
+  }
+  Frame(const Frame&) = delete;
+  Frame& operator=(const Frame&) = delete;
+
+ private:
+  template <class Use>
+  void for_each_texel(const Use& use) {
+    for (int r = 0; r < mip_.rows; ++r) {
+      const bool whole = r == 0 || r == mip_.rows - 1;
+      for (int c = 0; c < mip_.columns; c += whole ? 1 : std::max(1, mip_.columns - 1)) use(mip_.row(r)[c]);
+    }
+  }
+
+  LinearImage& mip_;
+  std::vector<LinearTexel> texels_;
+};
+
+// Gives `use` each mip of the tile in linear light, its edges agreed upon, the finest first. `half` is as
+// before in the end.
 template <class Use>
-void for_each_mip(LinearImage&& image, const LinearImage& half, const TileRim& rim, const Use& use) {
+void for_each_mip(LinearImage&& image, LinearImage& half, const TileRim& rim, const Use& use) {
   int number = 0;
   const auto agreed = [&](LinearImage& mip) {
     rim.agree(number++, mip);
     use(mip);
   };
   agreed(image);
-  for (LinearImage mip = half;;) {
-    LinearImage next = mip.columns > 1 ? halved(mip) : LinearImage();
+  LinearImage next = half.columns > 1 ? halved(half) : LinearImage();
+  {
+    const Frame frame(half);
+    agreed(half);
+  }
+  while (next.is_set()) {
+    LinearImage mip = std::move(next);
+    next = mip.columns > 1 ? halved(mip) : LinearImage();
     agreed(mip);
-    if (!next.is_set()) return;
-    mip = std::move(next);
   }
 }
 

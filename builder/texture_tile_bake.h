@@ -18,7 +18,7 @@ inline constexpr std::int32_t kNoTextureError = 99'000;
 /// What a texture tile shows.
 struct TileTexels {
   LinearImage image;
-  const LinearImage& half;  ///< halved(image)
+  LinearImage& half;  ///< halved(image); the same afterwards
   const TileRim& rim;
 };
 

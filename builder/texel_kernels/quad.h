@@ -35,22 +35,14 @@ CAIRN_INLINE Quad load(const WideTexel* from) {
   return quad;
 }
 
-/// In registers: memory written in pieces and read back as a whole makes the processor wait.
-CAIRN_INLINE Quad quad_of(WideTexel a, WideTexel b, WideTexel c, WideTexel d) {
-  Quad quad;
-#if defined(__AVX512F__)
-  const __m512 low = _mm512_castps256_ps512(_mm256_set_m128(b, a));
-  quad.part[0] = _mm512_insertf32x8(low, _mm256_set_m128(d, c), 1);
-#elif defined(__AVX2__)
-  quad.part[0] = _mm256_set_m128(b, a);
-  quad.part[1] = _mm256_set_m128(d, c);
-#else
-  quad.part[0] = a;
-  quad.part[1] = b;
-  quad.part[2] = c;
-  quad.part[3] = d;
-#endif
-  return quad;
+CAIRN_INLINE void store(const Quad& quad, float* to) {
+  std::memcpy(to, &quad, sizeof quad);
+}
+
+/// The same four numbers in each texel.
+CAIRN_INLINE Quad repeated(WideTexel numbers) {
+  const WideTexel four[4] = {numbers, numbers, numbers, numbers};
+  return load(four);
 }
 
 CAIRN_INLINE Quad operator*(Quad a, float b) {
@@ -96,6 +88,31 @@ CAIRN_INLINE WideTexel sum_of(const Quad& quad) {
 #else
   return (quad.part[0] + quad.part[2]) + (quad.part[1] + quad.part[3]);
 #endif
+}
+
+/// sum_of() each of four, side by side. In registers: memory written in pieces and read back as a whole makes
+/// the processor wait.
+CAIRN_INLINE Quad sums_of(const Quad& a, const Quad& b, const Quad& c, const Quad& d) {
+  Quad sums;
+#if defined(__AVX512F__)
+  const __m512 ab = _mm512_shuffle_f32x4(a.part[0], b.part[0], 0x44) +  // 0 and 1 of each, 2 and 3 of each
+                    _mm512_shuffle_f32x4(a.part[0], b.part[0], 0xEE);
+  const __m512 cd =
+      _mm512_shuffle_f32x4(c.part[0], d.part[0], 0x44) + _mm512_shuffle_f32x4(c.part[0], d.part[0], 0xEE);
+  sums.part[0] = _mm512_shuffle_f32x4(ab, cd, 0x88) + _mm512_shuffle_f32x4(ab, cd, 0xDD);
+#elif defined(__AVX2__)
+  const __m256 pairs[4] = {a.part[0] + a.part[1], b.part[0] + b.part[1], c.part[0] + c.part[1],
+                           d.part[0] + d.part[1]};
+  for (int i = 0; i < 2; ++i)
+    sums.part[i] = _mm256_permute2f128_ps(pairs[2 * i], pairs[2 * i + 1], 0x20) +
+                   _mm256_permute2f128_ps(pairs[2 * i], pairs[2 * i + 1], 0x31);
+#else
+  sums.part[0] = sum_of(a);
+  sums.part[1] = sum_of(b);
+  sums.part[2] = sum_of(c);
+  sums.part[3] = sum_of(d);
+#endif
+  return sums;
 }
 
 /// Clamps alpha to 0…65535, colours to 0…alpha, and rounds.

@@ -48,47 +48,67 @@ void combine(const WideTexel* const* rows, const float* weights, std::size_t cou
   quantise(rest, width - t, out + 4 * t);
 }
 
-struct CubicWeights {
-  WideTexel across, down;
+// Where texels lie between pixels: the cell of each coordinate, and the cubic's weights (a = -1/2) at the
+// place in it, four across and four down. Worked out for many texels at once, since one has little for wide
+// registers to do.
+struct CubicPlaces {
+  static constexpr std::size_t kMost = 64;  // a multiple of 4
+  std::int32_t cell[2 * kMost];
+  float weight[8 * kMost];
 };
 
-// The four weights of the cubic with a = -1/2 at a fraction between the second and the third pixel, on both
-// axes.
-CAIRN_INLINE CubicWeights cubic_weights(float x, float y) {
-  using Both = float __attribute__((vector_size(32)));
-  constexpr Both a = {-0.5F, 1.5F, -1.5F, 0.5F, -0.5F, 1.5F, -1.5F, 0.5F};
-  constexpr Both b = {1, -2.5F, 2, -0.5F, 1, -2.5F, 2, -0.5F};
-  constexpr Both c = {-0.5F, 0, 0.5F, 0, -0.5F, 0, 0.5F, 0};
-  constexpr Both d = {0, 1, 0, 0, 0, 1, 0, 0};
-  const Both t = {x, x, x, x, y, y, y, y};
-  const Both weights = ((a * t + b) * t + c) * t + d;
-  return {__builtin_shufflevector(weights, weights, 0, 1, 2, 3),
-          __builtin_shufflevector(weights, weights, 4, 5, 6, 7)};
+// REQUIRES: count <= kMost.
+CAIRN_INLINE void find_places(const double* places, std::size_t count, CubicPlaces& found) {
+  float fraction[2 * CubicPlaces::kMost] = {};
+  for (std::size_t i = 0; i < 2 * count; ++i) {
+    const double beyond = places[i] + 2;  // above 0, so cut off is the floor
+    const auto whole = static_cast<std::int32_t>(beyond);
+    found.cell[i] = whole - 3;  // the first of four pixels
+    fraction[i] = static_cast<float>(beyond - whole);
+  }
+  const Quad a = repeated(WideTexel{-0.5F, 1.5F, -1.5F, 0.5F}), b = repeated(WideTexel{1, -2.5F, 2, -0.5F});
+  const Quad c = repeated(WideTexel{-0.5F, 0, 0.5F, 0}), d = repeated(WideTexel{0, 1, 0, 0});
+  for (std::size_t i = 0; i < 2 * count; i += 4) {
+    WideTexel two;  // texels' x and y
+    std::memcpy(&two, fraction + i, sizeof two);
+    const Quad t = spread(two);
+    store(((a * t + b) * t + c) * t + d, found.weight + 4 * i);
+  }
 }
 
-// Down the four columns first, then across.
-CAIRN_INLINE WideTexel interpolate_one(const WidePixels& image, const double* place) {
-  const std::int64_t x = static_cast<std::int64_t>(place[0] + 2) - 2;  // the floor
-  const std::int64_t y = static_cast<std::int64_t>(place[1] + 2) - 2;
-  const auto [across, down] = cubic_weights(static_cast<float>(place[0] - static_cast<double>(x)),
-                                            static_cast<float>(place[1] - static_cast<double>(y)));
-  const WideTexel* corner = image.pixels + (y - 1 - image.row) * image.columns + (x - 1 - image.column);
-  Quad sum = load(corner) * down[0];
-  for (int r = 1; r < 4; ++r) sum = sum + load(corner + r * image.columns) * down[r];
-  return sum_of(sum * spread(across));
+// Texel t of those places, not summed across: down the four columns first.
+CAIRN_INLINE Quad interpolate_one(const WidePixels& image, const CubicPlaces& places, std::size_t t) {
+  const float* weight = places.weight + 8 * t;
+  const WideTexel* corner = image.pixels + (places.cell[2 * t + 1] - image.row) * image.columns +
+                            (places.cell[2 * t] - image.column);
+  Quad sum = load(corner) * weight[4];
+  for (int r = 1; r < 4; ++r) sum = sum + load(corner + r * image.columns) * weight[4 + r];
+  WideTexel across;
+  std::memcpy(&across, weight, sizeof across);
+  return sum * spread(across);
+}
+
+// REQUIRES: count <= kMost.
+CAIRN_INLINE void interpolate_some(const WidePixels& image, const double* places, std::size_t count,
+                                   std::uint16_t* out) {
+  CubicPlaces found;
+  find_places(places, count, found);
+  std::size_t t = 0;
+  for (; t + 4 <= count; t += 4)
+    quantise(sums_of(interpolate_one(image, found, t), interpolate_one(image, found, t + 1),
+                     interpolate_one(image, found, t + 2), interpolate_one(image, found, t + 3)),
+             out + 4 * t);
+  if (t == count) return;
+  WideTexel rest[4] = {};
+  for (std::size_t k = 0; k < count - t; ++k) rest[k] = sum_of(interpolate_one(image, found, t + k));
+  quantise(rest, count - t, out + 4 * t);
 }
 
 void interpolate(const WidePixels& image, const double* places, std::size_t width, std::uint16_t* out) {
-  std::size_t t = 0;
-  for (; t + 4 <= width; t += 4, places += 8) {
-    const WideTexel a = interpolate_one(image, places), b = interpolate_one(image, places + 2);
-    const WideTexel c = interpolate_one(image, places + 4), d = interpolate_one(image, places + 6);
-    quantise(quad_of(a, b, c, d), out + 4 * t);
+  for (std::size_t t = 0; t < width; t += CubicPlaces::kMost) {
+    const std::size_t count = width - t < CubicPlaces::kMost ? width - t : CubicPlaces::kMost;
+    interpolate_some(image, places + 2 * t, count, out + 4 * t);
   }
-  if (t == width) return;
-  WideTexel sums[4] = {};
-  for (std::size_t k = 0; k < width - t; ++k) sums[k] = interpolate_one(image, places + 2 * k);
-  quantise(sums, width - t, out + 4 * t);
 }
 
 bool all_within(const double* places, std::size_t count, const double* low, const double* high) {
