@@ -15,9 +15,11 @@ bool contains(const TileId& outer, const TileId& inner) {
   return outer.level <= inner.level && ancestor_of(inner, outer.level) == outer;
 }
 
-/// The detail after a frame in which no height may move by more than `allowed_m`. Between two levels, heights
+/// The detail after a frame in which no height may move by more than `allowed_m`, unless the fade would take
+/// longer than the longest. Between two levels, heights
 /// move in proportion, by what the step between the levels adds at most.
-double moved(double detail, double wanted, const SurfaceTile& surface, double allowed_m) {
+double moved(double detail, double wanted, const SurfaceTile& surface, double allowed_m,
+             double longest_fade) {
   const DecimationErrors& errors = surface.relief.whole.errors;
   double left_m = allowed_m, at = detail;
   while (at != wanted) {
@@ -34,7 +36,7 @@ double moved(double detail, double wanted, const SurfaceTile& surface, double al
     left_m -= needed_m;
     at = end;
   }
-  const double least = std::max(1.0, std::abs(wanted - detail)) / ShownTiles::kLongestFade;
+  const double least = std::max(1.0, std::abs(wanted - detail)) / longest_fade;
   return wanted > detail ? std::max(at, std::min(wanted, detail + least))
                          : std::min(at, std::max(wanted, detail - least));
 }
@@ -83,7 +85,7 @@ void ShownTiles::move(const FrameScale& scale, const SurfaceOf& surface_of) {
     const double distance_m = shown.tile.volume.distance_m(scale.eye);
     const double allowed_m = scale.tolerance_px / 2 * distance_m / scale.pixels_per_radian;
     const double detail = ShownSurface::of(surface, shown.detail).detail;
-    shown.detail = moved(detail, shown.wanted, *surface, allowed_m);
+    shown.detail = moved(detail, shown.wanted, *surface, allowed_m, scale.longest_fade);
   }
 }
 

@@ -24,6 +24,7 @@ struct FrameScale {
   glm::dvec3 eye{};  ///< geocentric, metres
   double pixels_per_radian = 1000;
   double tolerance_px = 1;
+  double longest_fade = 120;  ///< frames that a level takes at most
 };
 
 /// What frames show of the render lists: tiles are exchanged for their successors smoothly.
@@ -32,7 +33,8 @@ struct FrameScale {
 /// a coarser one replaces loses its detail first. As samples nest, the tile itself has both shapes and all
 /// between. In a frame no place of it moves by more than half the tolerance, seen from the eye, so that with
 /// what MeshRules leaves to the grids no place moves by more than the tolerance. But a level takes
-/// kLongestFade frames at most: what comes so late that this is too few glides at that speed.
+/// longest_fade frames at most: what comes so late, or so near the eye, that this is too few glides at that
+/// speed. (An eye inside a tile's volume is at no distance that is known.)
 ///
 /// A tile that was not visible in the last frame is shown with all its detail at once.
 class ShownTiles {
@@ -47,8 +49,6 @@ class ShownTiles {
 
   /// The next frame has nothing to do with the last one: a cut in a film.
   void cut() { shown_.clear(); }
-
-  static constexpr int kLongestFade = 120;
 
  private:
   void move(const FrameScale& scale, const SurfaceOf& surface_of);

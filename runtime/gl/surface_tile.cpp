@@ -172,8 +172,9 @@ float height_at(const ShownSurface& surface, const LatticePoint& point) {
   const int dropped = surface.tile->id.level - surface.whole_level();
   if (dropped == 0 || std::isnan(finest)) return finest;
   const auto known = [&](int rows_dropped) {
-    const float height = thinned_height_at(*surface.tile, point, rows_dropped);
-    return std::isnan(height) ? finest : height;
+    float height = thinned_height_at(*surface.tile, point, rows_dropped);
+    while (std::isnan(height)) height = thinned_height_at(*surface.tile, point, --rows_dropped);
+    return height;
   };
   const auto part = static_cast<float>(surface.detail - surface.whole_level());
   const float coarse = known(dropped);

@@ -81,7 +81,7 @@ struct ShownSurface {
   int whole_level() const;
 };
 
-/// The same of a shown surface. Where a sample of the coarser level is void, the finest height stands in.
+/// The same of a shown surface. Where a level's sample is void, the next finer level stands in.
 /// REQUIRES: there is a tile.
 float height_at(const ShownSurface& surface, const LatticePoint& point);
 

@@ -63,26 +63,46 @@ std::optional<double> DrawnMesh::height_over(const GridPatch& patch, int column,
   return std::nullopt;
 }
 
-std::optional<double> DrawnMesh::height_m(LonLat place) const {
+const GridPatch* DrawnMesh::patch_at(LonLat place) const {
   for (int level = kMaxLevel; level >= kMinLevel; --level) {
     const auto found = patches_.find(tile_at(place, level));
-    if (found == patches_.end()) continue;
-    const GridPatch& patch = plan_.patches[found->second];
-    const GeoBounds b = tile_bounds(patch.area);
-    const int column = static_cast<int>((place.lon - b.west) / b.width() * patch.cells());
-    const int row = static_cast<int>((place.lat - b.south) / b.height() * patch.cells());
-    if (const auto height = height_over(patch, column, row, place)) return height;
-    // Beside a rim whose vertices were moved along it, or where a chord bends over the next cell.
-    const auto near = [&](int i, int at, int other) {
-      return std::abs(i - at) <= 1 || other <= 1 || other >= patch.cells() - 2;
-    };
-    for (int r = 0; r < patch.cells_north; ++r) {
-      for (int c = 0; c < patch.cells_east; ++c) {
-        if (!near(r, row, column) || !near(c, column, row)) continue;
-        if (const auto height = height_over(patch, c, r, place)) return height;
-      }
+    if (found != patches_.end()) return &plan_.patches[found->second];
+  }
+  return nullptr;
+}
+
+std::array<int, 2> DrawnMesh::cell_at(const GridPatch& patch, LonLat place) {
+  const GeoBounds b = tile_bounds(patch.area);
+  return {static_cast<int>((place.lon - b.west) / b.width() * patch.cells()),
+          static_cast<int>((place.lat - b.south) / b.height() * patch.cells())};
+}
+
+bool DrawnMesh::is_beside_another(LonLat place) const {
+  const GridPatch* patch = patch_at(place);
+  if (!patch) return false;
+  const auto [column, row] = cell_at(*patch, place);
+  const std::array<bool, 4> beside = {row == 0, row >= patch->cells_north - 1, column == 0,
+                                      column >= patch->cells_east - 1};
+  for (unsigned side = 0; side < 4; ++side) {
+    if (beside[side] && (patch->listed_sides >> side & 1) != 0) return true;
+  }
+  return false;
+}
+
+std::optional<double> DrawnMesh::height_m(LonLat place) const {
+  const GridPatch* patch = patch_at(place);
+  if (!patch) return std::nullopt;
+  const auto [column, row] = cell_at(*patch, place);
+  if (const auto height = height_over(*patch, column, row, place)) return height;
+  // Beside a rim whose vertices were moved along it, or where a chord bends over the next cell.
+  const auto near = [&](int i, int at, int other) {
+    return std::abs(i - at) <= 1 || other <= 1 || other >= patch->cells() - 2;
+  };
+  for (int r = 0; r < patch->cells_north; ++r) {
+    for (int c = 0; c < patch->cells_east; ++c) {
+      if (!near(r, row, column) || !near(c, column, row)) continue;
+      if (const auto height = height_over(*patch, c, r, place)) return height;
     }
-    return std::nullopt;
   }
   return std::nullopt;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <unordered_map>
@@ -18,13 +19,18 @@ class DrawnMesh {
 
   /// The height above the ellipsoid of the triangle over a place; nullopt where none is, or a void.
   std::optional<double> height_m(LonLat place) const;
+  /// Whether the place is in a row of cells along a side that another grid or surface has a say in.
+  bool is_beside_another(LonLat place) const;
 
  private:
   struct Vertex {
     glm::dvec3 position;  // geocentric
     bool is_void = false;
   };
+  const gl::GridPatch* patch_at(LonLat place) const;
   Vertex vertex(const gl::GridPatch& patch, int column, int row) const;
+  /// The cell whose columns and rows hold the place, as {column, row}.
+  static std::array<int, 2> cell_at(const gl::GridPatch& patch, LonLat place);
   std::optional<double> height_over(const gl::GridPatch& patch, int column, int row, LonLat place) const;
 
   std::vector<gl::MeshArea> areas_;

@@ -252,6 +252,36 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a height changes with detail without a jump, beside voids too") {
+  const test::TestSurface holed{257, 4, rough, [](std::int64_t column, std::int64_t row) {
+                                  return (column * 31 + row * 17) % 97 == 0 ||
+                                         (column / 40 + row / 24) % 5 == 0;
+                                }};
+  const TileId id = tile_at({10.3, 45.7}, 4);
+  const auto heights = std::make_shared<const HeightTile>(holed.tile(id));
+  const SurfaceTile tile{id, heights, 0.25, true, {}};
+  const LatticePoint corner = south_west_of(id);
+  std::mt19937 random(2);
+  int known = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const auto along = [&] {
+      return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(lattice_width(4)));
+    };
+    const LatticePoint point{corner.x + along(), corner.y + along()};
+    if (std::isnan(height_at(tile, point))) continue;
+    ++known;
+    constexpr double kHair = 1e-6;
+    for (int level = -3; level <= 4; ++level) {
+      const auto shown = [&](double detail) {
+        return static_cast<double>(height_at(ShownSurface::of(&tile, detail), point));
+      };
+      REQUIRE(shown(level - kHair) == Approx(shown(level)).margin(0.01));
+      REQUIRE(shown(level + kHair) == Approx(shown(level)).margin(0.01));
+    }
+  }
+  CHECK(known > 500);
+}
+
 TEST_CASE("a height between samples is the same from both tiles that share the edge") {
   Surfaces surfaces;
   const TileId west = tile_at({10.3, 45.7}, 2);

@@ -92,6 +92,14 @@ float thinned_height(Patch p, vec2 place, int rows, out bool is_void) {
   return metres(p, sw) + (metres(p, other) - metres(p, sw)) * far + (metres(p, ne) - metres(p, other)) * near;
 }
 
+// Where a level's sample is void, the next finer level stands in. REQUIRES: the finest is not void there.
+float known_height(Patch p, vec2 place, int rows) {
+  bool is_void;
+  float height = thinned_height(p, place, rows, is_void);
+  while (is_void && rows > 0) height = thinned_height(p, place, --rows, is_void);
+  return height;
+}
+
 // With as much detail as is shown, as gl::height_at() of a ShownSurface.
 float sampled_height(Patch p, uvec2 vertex, out bool is_void) {
   is_void = false;
@@ -100,12 +108,8 @@ float sampled_height(Patch p, uvec2 vertex, out bool is_void) {
   float finest = thinned_height(p, place, 0, is_void);
   if (p.dropped == 0.0 || is_void) return finest;
   int rows = int(ceil(p.dropped));
-  bool unknown;
-  float coarse = thinned_height(p, place, rows, unknown);
-  if (unknown) coarse = finest;
-  float fine = thinned_height(p, place, rows - 1, unknown);
-  if (unknown) fine = finest;
-  return coarse + (fine - coarse) * (float(rows) - p.dropped);
+  float coarse = known_height(p, place, rows);
+  return coarse + (known_height(p, place, rows - 1) - coarse) * (float(rows) - p.dropped);
 }
 
 // The entry of a vertex on a listed side, -1 where it is on none.
