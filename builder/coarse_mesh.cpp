@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "format/wide.h"
+
 namespace cairn {
 namespace {
 
@@ -20,6 +22,16 @@ using Weights = std::array<double, 4>;
 Weights lagrange(double f) {
   return {-f * (f - 1) * (f - 2) / 6, (f + 1) * (f - 1) * (f - 2) / 2, -(f + 1) * f * (f - 2) / 2,
           (f + 1) * f * (f - 1) / 6};
+}
+
+// Places whose nodes are the same four: `weights` are four rows of `stride`, a number for each place.
+CAIRN_WIDE void combine_run(const double* weights, std::size_t stride, const PlanePoint* p, std::size_t count,
+                            double* out) {
+  const double *a = weights, *b = a + stride, *c = b + stride, *d = c + stride;
+  for (std::size_t i = 0; i < count; ++i) {
+    out[2 * i] = a[i] * p[0].x + b[i] * p[1].x + c[i] * p[2].x + d[i] * p[3].x;
+    out[2 * i + 1] = a[i] * p[0].y + b[i] * p[1].y + c[i] * p[2].y + d[i] * p[3].y;
+  }
 }
 
 PlanePoint combine(const Weights& w, const PlanePoint* p, std::size_t stride) {
@@ -46,8 +58,12 @@ CoarseMesh::CoarseMesh(IndexWindow places, std::int64_t step, const Map& map)
   for (std::int64_t y = nodes_.y.first; y <= nodes_.y.last; ++y) {
     for (std::int64_t x = nodes_.x.first; x <= nodes_.x.last; ++x) points_.push_back(map(x * step, y * step));
   }
-  columns_.reserve(static_cast<std::size_t>(places.x.count()));
-  for (std::int64_t x = places.x.first; x <= places.x.last; ++x) columns_.push_back(stencil_of(x));
+  weights_.resize(static_cast<std::size_t>(4 * step));
+  for (std::int64_t i = 0; i < step; ++i) {
+    const Weights at = lagrange(static_cast<double>(i) / static_cast<double>(step));
+    for (std::size_t k = 0; k < 4; ++k)
+      weights_[k * static_cast<std::size_t>(step) + static_cast<std::size_t>(i)] = at[k];
+  }
 }
 
 CoarseMesh::Stencil CoarseMesh::stencil_of(std::int64_t place) const {
@@ -56,15 +72,21 @@ CoarseMesh::Stencil CoarseMesh::stencil_of(std::int64_t place) const {
 }
 
 void CoarseMesh::row(std::int64_t y, std::span<PlanePoint> out) const {
-  assert(places_.y.holds(y) && out.size() == columns_.size());
+  assert(places_.y.holds(y) && out.size() == static_cast<std::size_t>(places_.x.count()));
+  static_assert(sizeof(PlanePoint) == 2 * sizeof(double));
   const Stencil up = stencil_of(y);
   const auto columns = static_cast<std::size_t>(nodes_.x.count());
   std::vector<PlanePoint> nodes(columns);
   const PlanePoint* corner = &points_[nodes_.offset(nodes_.x.first, up.first)];
   for (std::size_t c = 0; c < columns; ++c) nodes[c] = combine(up.weights, corner + c, columns);
-  for (std::size_t x = 0; x < columns_.size(); ++x) {
-    const Stencil& along = columns_[x];
-    out[x] = combine(along.weights, &nodes[static_cast<std::size_t>(along.first - nodes_.x.first)], 1);
+  const auto step = static_cast<std::size_t>(step_);
+  for (std::int64_t x = places_.x.first; x <= places_.x.last;) {
+    const std::int64_t below = floor_divide(x, step_),
+                       next = std::min((below + 1) * step_, places_.x.last + 1);
+    combine_run(&weights_[static_cast<std::size_t>(x - below * step_)], step,
+                &nodes[static_cast<std::size_t>(below - 1 - nodes_.x.first)],
+                static_cast<std::size_t>(next - x), &out[static_cast<std::size_t>(x - places_.x.first)].x);
+    x = next;
   }
 }
 

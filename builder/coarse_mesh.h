@@ -43,7 +43,7 @@ class CoarseMesh {
   std::int64_t step_;
   IndexWindow nodes_;  // in units of step
   std::vector<PlanePoint> points_;
-  std::vector<Stencil> columns_;  // one a column of the window
+  std::vector<double> weights_;  // across, by place between two nodes: step_ of each node's
 };
 
 }  // namespace cairn

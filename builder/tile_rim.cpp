@@ -13,6 +13,7 @@ Pair mean_of_pairs(const Pair& a, const Pair& b) {
 template <class Line>
 Line halved_line(const Line& line) {
   Line half;
+  half.reserve(line.size() / 2);
   for (std::size_t i = 0; i + 1 < line.size(); i += 2) half.push_back(mean_of_pairs(line[i], line[i + 1]));
   return half;
 }
@@ -39,6 +40,7 @@ TileRim TileRim::cut(const LinearImage& padded, const LinearImage& half) {
     const int size = image.columns - 2 * margin, last = margin + size - 1;
     const auto at = [&](int c, int r) { return image.row(r)[c]; };
     std::array<std::vector<Pair>, 4> line;
+    for (auto& side : line) side.reserve(static_cast<std::size_t>(size));
     for (int i = margin; i <= last; ++i) {
       line[north].push_back({at(i, margin), at(i, margin - 1)});
       line[south].push_back({at(i, last), at(i, last + 1)});
@@ -67,6 +69,7 @@ TileRim TileRim::join(const std::array<const TileRim*, 4>& children, int size) {
   for (std::size_t s = 0; s < 4; ++s) {
     for (std::size_t mip = 0; size >> (mip + 1) > 0; ++mip) {
       std::vector<Pair> line;
+      line.reserve(static_cast<std::size_t>(size >> mip));
       for (const std::size_t q : kAlong[s]) {
         const bool there = children[q] != nullptr && !children[q]->is_empty();
         const std::vector<Pair> half = there ? children[q]->lines_[s][mip + 1]
