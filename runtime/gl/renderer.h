@@ -26,7 +26,7 @@ struct FrameLook {
   double tolerance_px = 1;                ///< screen error that the mesh may add to the tiles' own; > 0
   const LodMethodInfo* method = nullptr;  ///< draws a method's mesh instead of the renderer's own: on one
                                           ///< thread, tiles exchanged at once, so for comparing pictures
-  bool draws = true;  ///< false: all of a frame's work but the draw calls, to measure it
+  bool draws = true;                      ///< false: all of a frame's work but the draw calls, to measure it
 };
 
 /// What a frame took.

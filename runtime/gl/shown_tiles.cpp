@@ -16,8 +16,8 @@ bool contains(const TileId& outer, const TileId& inner) {
 }
 
 /// The detail after a frame in which no height may move by more than `allowed_m`, unless the fade would take
-/// longer than the longest. Between two levels, heights
-/// move in proportion, by what the step between the levels adds at most.
+/// longer than the longest. Between two levels, heights move in proportion, by what the step between the
+/// levels adds at most.
 double moved(double detail, double wanted, const SurfaceTile& surface, double allowed_m,
              double longest_fade) {
   const DecimationErrors& errors = surface.relief.whole.errors;
