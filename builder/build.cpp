@@ -89,10 +89,9 @@ Result<BuildReport> build_in_arena(const BuildOptions& options, int threads,
   if (!layers) return layers.error();
 
   // 2. Go on from an interrupted bake of the same inputs and options, or start anew.
-  const auto hashes = hash_inputs(options);
-  if (!hashes) return hashes.error();
-  auto work = begin_or_resume(options, header_for(*layers, options), *hashes);
+  auto work = begin_or_resume(options, header_for(*layers, options));
   if (!work) return work.error();
+  InputHashing hashing(options, *work);
 
   // 3. Sample, measure, encode and write every tile of heights, the finest first, each above its children.
   BuildReport report;
@@ -113,6 +112,8 @@ Result<BuildReport> build_in_arena(const BuildOptions& options, int threads,
     return discard(options, *work, status.error());
 
   // 7. Write metadata, index and header; the target appears.
+  const auto hashes = hashing.hashes();
+  if (!hashes) return discard(options, *work, hashes.error());
   report.metadata_json = describe_pack(*layers, options, *heights, *hashes, work->writer.entries());
   if (auto status = work->writer.finish(report.metadata_json); !status)
     return discard(options, *work, status.error());

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
 #include <xxhash.h>
 
 #include "format/file.h"
@@ -33,6 +34,7 @@ Result<std::uint64_t> hash_file(const std::filesystem::path& path) {
   for (std::uint64_t at = 0; at < *size; at += piece.size()) {
     const auto bytes =
         std::span(piece).first(static_cast<std::size_t>(std::min<std::uint64_t>(piece.size(), *size - at)));
+    if (tbb::is_current_task_group_canceling()) return failed(path.string() + ": given up");
     if (auto status = file->read(at, bytes); !status) return status.error();
     XXH3_64bits_update(state.get(), bytes.data(), bytes.size());
   }

@@ -10,7 +10,7 @@
 
 namespace cairn {
 
-/// XXH3 (64 bits) of a whole file, read in pieces.
+/// XXH3 (64 bits) of a whole file, read in pieces. `failed` where the TBB task that asks is cancelled.
 Result<std::uint64_t> hash_file(const std::filesystem::path& path);
 
 /// The same for many files, on all threads of the caller's arena; in the order of `paths`.

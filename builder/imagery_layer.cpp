@@ -70,27 +70,31 @@ void ImageryLayer::close_parent(BakedTexture& parent) const {
 // A tile finer than all images that touch it serves its ancestors only: the runtime draws those.
 Result<std::optional<TileBlock>> ImageryLayer::settle(BakedTexture& tile) const {
   const bool too_fine = mosaic_.native_level(tile.id).value_or(kMinLevel) < tile.id.level;
-  const bool is_bare = !tile.image.is_set() || is_empty(tile.image);
+  LinearImage image = std::exchange(tile.image, {});
+  const bool is_bare = !image.is_set() || is_empty(image);
   if (too_fine || (is_bare && !tile.has_stored)) return std::optional<TileBlock>{};
   tile.has_stored = true;
   // Where the covered share is too small for a texel, the tile still leads to its descendants.
-  if (!tile.image.is_set()) tile.image = LinearImage(size_, size_);
+  if (!image.is_set()) image = LinearImage(size_, size_);
   if (!tile.half.is_set()) tile.half = LinearImage(size_ / 2, size_ / 2);
-  return std::optional<TileBlock>(encode_texture_tile(tile.id, {std::move(tile.image), tile.half, tile.rim},
+  return std::optional<TileBlock>(encode_texture_tile(tile.id, {std::move(image), tile.half, tile.rim},
                                                       options_, std::exchange(tile.child_mips, {}),
                                                       tile.mips));
 }
 
+// Its mips are left out: they save its parent work, no more.
 void ImageryLayer::append(const BakedTexture& tile, std::vector<std::byte>& out) const {
+  const LinearImage& half = tile.half;
+  const auto row_texels = static_cast<std::size_t>(half.columns);
+  out.reserve(out.size() + 2 * row_texels * static_cast<std::size_t>(half.rows) * sizeof(LinearTexel));
   ByteWriter writer(out);
   writer.write(std::int32_t{tile.id.level});
   writer.write(tile.id.x);
   writer.write(tile.id.y);
   writer.write(static_cast<std::uint8_t>(tile.has_stored));
-  writer.write(static_cast<std::uint8_t>(tile.image.is_set()));
+  writer.write(static_cast<std::uint8_t>(half.is_set()));
   writer.write(static_cast<std::uint8_t>(!tile.rim.is_empty()));
-  for (int r = 0; r < tile.image.rows; ++r)
-    writer.append(std::as_bytes(std::span(tile.image.row(r), static_cast<std::size_t>(size_))));
+  for (int r = 0; r < half.rows; ++r) writer.append(std::as_bytes(std::span(half.row(r), row_texels)));
   tile.rim.append_to(out);
 }
 
@@ -100,14 +104,13 @@ Result<BakedTexture> ImageryLayer::read(ByteReader& in) const {
   tile.id.x = in.read<std::int32_t>();
   tile.id.y = in.read<std::int32_t>();
   tile.has_stored = in.read<std::uint8_t>() != 0;
-  const bool has_image = in.read<std::uint8_t>() != 0, has_rim = in.read<std::uint8_t>() != 0;
-  if (has_image) {
-    tile.image = LinearImage(size_, size_);
-    for (int r = 0; r < size_ && in.ok(); ++r) {
-      const auto bytes = in.take(static_cast<std::size_t>(size_) * sizeof(LinearTexel));
-      if (in.ok()) std::memcpy(tile.image.row(r), bytes.data(), bytes.size());
+  const bool has_half = in.read<std::uint8_t>() != 0, has_rim = in.read<std::uint8_t>() != 0;
+  if (has_half) {
+    tile.half = LinearImage(size_ / 2, size_ / 2);
+    for (int r = 0; r < tile.half.rows && in.ok(); ++r) {
+      const auto bytes = in.take(static_cast<std::size_t>(tile.half.columns) * sizeof(LinearTexel));
+      if (in.ok()) std::memcpy(tile.half.row(r), bytes.data(), bytes.size());
     }
-    tile.half = halved(tile.image);
   }
   if (has_rim) tile.rim = TileRim::read_from(in, size_);
   if (!in.ok() || !is_valid(tile.id)) return bad_data("journal: a finished subtree: expected more bytes");

@@ -17,7 +17,7 @@ namespace cairn {
 /// A texture tile on its way up the tree, its descendants done.
 struct BakedTexture {
   TileId id;
-  LinearImage image;  ///< as the mosaic or the children have it; used up once the tile is settled
+  LinearImage image;  ///< as the mosaic or the children have it; gone once the tile is settled
   LinearImage half;   ///< its halved(), for mips and parent; no texels where nothing covers the tile
   TileRim rim;
   EncodedMips mips;                   ///< once it is settled, for its parent

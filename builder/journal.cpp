@@ -11,16 +11,16 @@
 namespace cairn {
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'C', 'A', 'I', 'R', 'N', 'J', 'N', '1'};
+constexpr std::array<char, 8> kMagic = {'C', 'A', 'I', 'R', 'N', 'J', 'N', '2'};
 constexpr std::size_t kHeaderBytes = kMagic.size() + sizeof(std::uint64_t);
 constexpr std::size_t kRecordHeaderBytes = 2 * sizeof(std::uint64_t);
 
-std::vector<std::byte> encode(const UnitRecord& record) {
+std::vector<std::byte> encode(const std::vector<IndexEntry>& entries) {
   std::vector<std::byte> bytes;
+  bytes.reserve(sizeof(std::uint32_t) + entries.size() * kIndexEntryBytes);
   ByteWriter writer(bytes);
-  writer.write(static_cast<std::uint32_t>(record.entries.size()));
-  for (const IndexEntry& entry : record.entries) append_entry(entry, bytes);
-  writer.append(record.root);
+  writer.write(static_cast<std::uint32_t>(entries.size()));
+  for (const IndexEntry& entry : entries) append_entry(entry, bytes);
   return bytes;
 }
 
@@ -63,18 +63,21 @@ std::filesystem::path Journal::path_for(const std::filesystem::path& target) {
   return std::filesystem::path(target).concat(".journal");
 }
 
-Result<Journal> Journal::create(const std::filesystem::path& target, std::uint64_t fingerprint) {
+Result<Journal> Journal::create(const std::filesystem::path& target) {
   auto file = File::open_to_write(path_for(target));
   if (!file) return file.error();
   if (auto status = file->truncate(0); !status) return status.error();
+  Journal journal(std::move(*file));
+  journal.end_ = kHeaderBytes;
+  return journal;
+}
+
+Status Journal::identify(std::uint64_t fingerprint) {
   std::vector<std::byte> header;
   ByteWriter writer(header);
   writer.append(std::as_bytes(std::span(kMagic)));
   writer.write(fingerprint);
-  if (auto status = file->write(0, header); !status) return status.error();
-  Journal journal(std::move(*file));
-  journal.end_ = kHeaderBytes;
-  return journal;
+  return file_.write(0, header);
 }
 
 Result<Journal> Journal::reopen(const std::filesystem::path& target, const std::vector<UnitRecord>& records) {
@@ -112,15 +115,21 @@ Result<std::vector<std::byte>> Journal::read_root(const UnitRecord& record) cons
   return std::move(whole->root);
 }
 
+// The root is written from where it is: it may be most of a megabyte.
 Status Journal::append(const UnitRecord& record) {
-  const std::vector<std::byte> body = encode(record);
+  const std::vector<std::byte> entries = encode(record.entries);
+  ChecksumStream sum;
+  sum.add(entries);
+  sum.add(record.root);
   std::vector<std::byte> bytes;
+  bytes.reserve(kRecordHeaderBytes + entries.size());
   ByteWriter writer(bytes);
-  writer.write(static_cast<std::uint64_t>(body.size()));
-  writer.write(checksum(body));
-  writer.append(body);
+  writer.write(static_cast<std::uint64_t>(entries.size() + record.root.size()));
+  writer.write(sum.value());
+  writer.append(entries);
   if (auto status = file_.write(end_, bytes); !status) return status;
-  end_ += bytes.size();
+  if (auto status = file_.write(end_ + bytes.size(), record.root); !status) return status;
+  end_ += bytes.size() + record.root.size();
   return {};
 }
 

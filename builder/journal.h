@@ -25,9 +25,12 @@ class Journal {
   /// The file's name for a target.
   static std::filesystem::path path_for(const std::filesystem::path& target);
 
-  /// Starts anew. `fingerprint` stands for the inputs and options: records of another bake are never mixed
-  /// in.
-  static Result<Journal> create(const std::filesystem::path& target, std::uint64_t fingerprint);
+  /// Starts anew. Nothing can be read back before identify().
+  static Result<Journal> create(const std::filesystem::path& target);
+
+  /// Says whose records these are. `fingerprint` stands for the inputs and options: records of another bake
+  /// are never mixed in. Other threads may append() meanwhile.
+  Status identify(std::uint64_t fingerprint);
 
   /// Goes on after the last of these records; everything after it is cut off. REQUIRES: not empty, from
   /// read().

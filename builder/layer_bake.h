@@ -13,7 +13,7 @@
 
 namespace cairn {
 
-/// A unit's subtree: its tiles but for the root, and the root on its way up.
+/// A unit's subtree: its tiles, and the root on its way up.
 template <class Layer>
 struct UnitResult {
   std::vector<TileBlock> blocks;
@@ -32,6 +32,7 @@ Result<UnitResult<Layer>> bake_unit(const Layer& layer, const TileTree& tree, co
     auto baked = layer.bake_leaf(leaf);
     if (!baked) return baked.error();
     ++result.leaves;
+    if (auto status = pyramid.settle(*baked); !status) return status.error();
     auto root = pyramid.add(std::move(*baked));
     if (!root) return root.error();
     if (*root) result.root = std::move(**root);
@@ -86,9 +87,7 @@ class LayerSink {
   Status go_up(typename Layer::Tile&& unit_root) {
     auto root = above_.add(std::move(unit_root));
     if (!root) return root.error();
-    if (!*root) return {};
-    if (auto status = above_.settle(**root); !status) return status;
-    layer_.summarise(**root);
+    if (*root) layer_.summarise(**root);
     return {};
   }
 
@@ -103,7 +102,7 @@ class LayerSink {
 /// were done before an interruption (the first records of work.done, which are used up) are in the pack
 /// already. Uses all threads of the caller's arena. Beyond what Pyramid asks for, the layer has
 ///   Result<Tile> bake_leaf(const TileId&) const     safe to call from several threads,
-///   append(), read()                                a tile in the journal,
+///   append(), read()                                a settled tile in the journal,
 ///   void summarise(const Tile&)                     takes what a settled root of the whole tree knows,
 ///   stage(), samples_a_tile()                       for the progress.
 template <class Layer>

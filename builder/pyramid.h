@@ -24,7 +24,8 @@ struct TileBlock {
 ///   Tile open_parent(const TileId&) const                  before its children are in,
 ///   void take(const Tile& child, Tile&) const              puts a child into its parent,
 ///   void close_parent(Tile&) const                         once all are in,
-///   Result<std::optional<TileBlock>> settle(Tile&) const   what is stored of a tile, if it is.
+///   Result<std::optional<TileBlock>> settle(Tile&) const   what is stored of a tile, if it is; then its
+///                                                          parent takes it.
 template <class Layer>
 class Pyramid {
  public:
@@ -35,10 +36,10 @@ class Pyramid {
   Pyramid(const Layer& layer, const TileTree& tree, int root_level, Emit emit)
       : layer_(layer), tree_(tree), root_level_(root_level), emit_(std::move(emit)) {}
 
-  /// Takes the next leaf or finished subtree. Gives back the root when this completes it.
+  /// Takes the next leaf or finished subtree. Gives back the root, settled, when this completes it.
+  /// REQUIRES: `child` is settled.
   Result<std::optional<Tile>> add(Tile child) {
     while (child.id.level > root_level_) {
-      if (auto status = settle(child); !status) return status.error();
       const TileId parent_id = parent_of(child.id);
       if (open_.empty() || open_.back().parent.id != parent_id)
         open_.push_back({layer_.open_parent(parent_id), tree_.children_of(parent_id)});
@@ -48,11 +49,12 @@ class Pyramid {
       layer_.close_parent(into.parent);
       child = std::move(into.parent);
       open_.pop_back();
+      if (auto status = settle(child); !status) return status.error();
     }
     return std::optional<Tile>(std::move(child));
   }
 
-  /// Emits the tile, unless it is left out. For roots: add() does it for all others.
+  /// Emits the tile, unless it is left out. For leaves: add() does it for all others.
   Status settle(Tile& tile) {
     auto block = layer_.settle(tile);
     if (!block) return block.error();

@@ -31,8 +31,6 @@ std::vector<UnitRecord> whole_units(const std::filesystem::path& part_path, std:
   return records;
 }
 
-}  // namespace
-
 Result<std::vector<std::uint64_t>> hash_inputs(const BuildOptions& options) {
   std::vector<std::filesystem::path> paths = options.inputs;
   paths.insert(paths.end(), options.imagery.inputs.begin(), options.imagery.inputs.end());
@@ -40,29 +38,74 @@ Result<std::vector<std::uint64_t>> hash_inputs(const BuildOptions& options) {
   return hash_files(paths);
 }
 
-Result<Work> begin_or_resume(const BuildOptions& options, const PackHeader& header,
-                             const std::vector<std::uint64_t>& input_hashes) {
-  const std::uint64_t print = fingerprint(describe_options(options), input_hashes);
-  std::vector<UnitRecord> done;
-  if (options.resume) {
-    done = whole_units(std::filesystem::path(options.target).concat(".part"),
-                       Journal::read(options.target, print));
-  }
-  std::vector<IndexEntry> entries;
-  for (const UnitRecord& record : done)
-    entries.insert(entries.end(), record.entries.begin(), record.entries.end());
+std::uint64_t print_of(const BuildOptions& options, const std::vector<std::uint64_t>& input_hashes) {
+  return fingerprint(describe_options(options), input_hashes);
+}
 
-  auto writer = done.empty() ? PackWriter::create(options.target, header)
-                             : PackWriter::reopen(options.target, header, entries);
+Result<Work> begin(const BuildOptions& options, const PackHeader& header) {
+  auto writer = PackWriter::create(options.target, header);
   if (!writer) return writer.error();
-  auto journal =
-      done.empty() ? Journal::create(options.target, print) : Journal::reopen(options.target, done);
+  auto journal = Journal::create(options.target);
   if (!journal) {
     writer->abandon();
     return journal.error();
   }
-  const bool resumed = !done.empty();
-  return Work{std::move(*writer), std::move(*journal), std::move(done), resumed};
+  return Work{std::move(*writer), std::move(*journal), {}, std::nullopt, false};
+}
+
+Result<Work> resume(const BuildOptions& options, const PackHeader& header, std::vector<UnitRecord> done) {
+  std::vector<IndexEntry> entries;
+  for (const UnitRecord& record : done)
+    entries.insert(entries.end(), record.entries.begin(), record.entries.end());
+  auto writer = PackWriter::reopen(options.target, header, entries);
+  if (!writer) return writer.error();
+  auto journal = Journal::reopen(options.target, done);
+  if (!journal) {
+    writer->abandon();
+    return journal.error();
+  }
+  return Work{std::move(*writer), std::move(*journal), std::move(done), std::nullopt, true};
+}
+
+}  // namespace
+
+Result<Work> begin_or_resume(const BuildOptions& options, const PackHeader& header) {
+  std::error_code ignored;
+  if (!options.resume || !std::filesystem::exists(Journal::path_for(options.target), ignored))
+    return begin(options, header);
+  const auto hashes = hash_inputs(options);
+  if (!hashes) return hashes.error();
+  std::vector<UnitRecord> done = whole_units(std::filesystem::path(options.target).concat(".part"),
+                                             Journal::read(options.target, print_of(options, *hashes)));
+  auto work = done.empty() ? begin(options, header) : resume(options, header, std::move(done));
+  if (work) work->input_hashes = *hashes;
+  return work;
+}
+
+InputHashing::InputHashing(const BuildOptions& options, Work& work) : options_(options), work_(work) {
+  const OrderedTurn turn(order_);
+  tasks_.run([this] {
+    const OrderedTurn taken(order_);
+    hash();
+  });
+}
+
+InputHashing::~InputHashing() {
+  if (!options_.resume) tasks_.cancel();
+  tasks_.wait();
+  const OrderedTurn turn(order_);
+}
+
+void InputHashing::hash() {
+  hashes_ = work_.input_hashes ? *work_.input_hashes : hash_inputs(options_);
+  if (!*hashes_) return;
+  if (auto status = work_.journal.identify(print_of(options_, **hashes_)); !status) hashes_ = status.error();
+}
+
+Result<std::vector<std::uint64_t>> InputHashing::hashes() {
+  tasks_.wait();
+  const OrderedTurn turn(order_);
+  return *hashes_;
 }
 
 Error discard(const BuildOptions& options, Work& work, Error error) {

@@ -114,6 +114,12 @@ Status File::truncate(std::uint64_t size) {
   return {};
 }
 
+void File::start_sync(std::uint64_t offset, std::uint64_t bytes) {
+  // A hint: what goes wrong with the bytes shows in sync().
+  (void)::sync_file_range(descriptor_, static_cast<off_t>(offset), static_cast<off_t>(bytes),
+                          SYNC_FILE_RANGE_WRITE);
+}
+
 Status File::sync() {
   if (::fsync(descriptor_) != 0) return os_error(path_, "sync");
   return {};

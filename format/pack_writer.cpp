@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 constexpr std::size_t kIndexPieceEntries = 16384;
+constexpr std::uint64_t kSyncBytes = std::uint64_t{8} << 20;
 
 std::filesystem::path part_of(const std::filesystem::path& target) {
   return target.string() + ".part";
@@ -32,6 +33,7 @@ struct PackWriter::State {
   std::uint64_t position() const { return flushed + buffer.size(); }
   Status append(std::span<const std::byte> bytes);
   Status flush();
+  void start_sync();
   Result<bool> same_as_stored(const IndexEntry& stored, std::span<const std::byte> block);
   Result<const IndexEntry*> find_equal(std::uint64_t sum, std::span<const std::byte> block);
   void remember(std::size_t entry_index);
@@ -44,6 +46,7 @@ struct PackWriter::State {
   std::vector<IndexEntry> entries;                             // in the order of add()
   std::unordered_multimap<std::uint64_t, std::size_t> blocks;  // checksum -> the entry that brought the block
   std::uint64_t flushed = 0;                                   // bytes handed to the file
+  std::uint64_t sync_started = 0;                              // and begun to be put on the disk
   std::vector<std::byte> buffer;                               // bytes that follow them
   std::vector<std::byte> scratch;                              // a stored block, read back to be compared
 };
@@ -65,7 +68,16 @@ Status PackWriter::State::flush() {
   if (const Status status = file.write(flushed, buffer); !status) return status;
   flushed += buffer.size();
   buffer.clear();
+  start_sync();
   return {};
+}
+
+// So that finish() need not wait for all of the pack. Whole pieces, whose last pages nobody writes again.
+void PackWriter::State::start_sync() {
+  const std::uint64_t end = flushed / kSyncBytes * kSyncBytes;
+  if (end <= sync_started) return;
+  file.start_sync(sync_started, end - sync_started);
+  sync_started = end;
 }
 
 Result<bool> PackWriter::State::same_as_stored(const IndexEntry& stored, std::span<const std::byte> block) {
