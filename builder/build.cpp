@@ -142,6 +142,7 @@ auto with_threads(int asked, const Work& work) {
 }  // namespace
 
 Result<BuildReport> build(const BuildOptions& options, const ProgressCallback& progress) {
+  keep_freed_memory();
   return with_threads(options.threads,
                       [&](int threads) { return build_in_arena(options, threads, progress); });
 }

@@ -26,8 +26,12 @@ class ChunkCache {
   explicit ChunkCache(std::size_t byte_limit) : byte_limit_(byte_limit) {}
 
   /// The chunk, loaded if it is not there. Chunks in use stay alive past their eviction; one larger than the
-  /// limit is handed out and not kept.
+  /// limit is handed out and not kept. REQUIRES: nothing handed out outlives the cache.
   Result<Bytes> get(std::uint64_t key, const Load& load);
+
+  /// Bytes without values for a load to fill: those of an evicted chunk of that size, where there are any.
+  /// The system takes longer to give pages than a load to fill them.
+  Chunk room_for(std::size_t bytes);
 
  private:
   struct Entry {
@@ -37,9 +41,15 @@ class ChunkCache {
 
   Bytes find_or_claim(std::uint64_t key);
   void keep(std::uint64_t key, const Bytes& bytes);
-  void evict_to_limit();
+  void evict_for(std::size_t newest);
+  Bytes shared(Chunk&& chunk);
+  bool may_spare(std::size_t bytes) const { return bytes <= byte_limit_ / (8 * kSpares); }
+  void set_aside(Chunk&& chunk);
 
+  static constexpr std::size_t kSpares = 2;
   std::size_t byte_limit_;
+  std::mutex spares_mutex_;    // taken last
+  std::vector<Chunk> spares_;  // what nobody uses any more, the latest last; entries become spares to the end
   std::mutex mutex_;
   std::condition_variable decoded_;
   std::unordered_map<std::uint64_t, Entry> entries_;

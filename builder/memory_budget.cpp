@@ -40,6 +40,11 @@ std::size_t least_memory(int threads, int tile_size, bool with_imagery) {
   return fixed(threads, tile_size, with_imagery) + kLeastCache;
 }
 
+void keep_freed_memory() {
+  ::mallopt(M_MMAP_THRESHOLD, static_cast<int>(4 * kMiB));
+  ::mallopt(M_TRIM_THRESHOLD, static_cast<int>(8 * kMiB));
+}
+
 void release_freed_memory() {
   ::malloc_trim(0);
 }

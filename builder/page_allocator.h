@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <new>
+#include <utility>
 
 #include <sys/mman.h>
 
@@ -9,7 +10,7 @@ namespace cairn {
 
 /// Large blocks straight from the system, and back to it when freed. What caches hold for long and free at
 /// any time would otherwise leave holes in the heap of whichever thread made it, which count against
-/// --memory.
+/// --memory. Elements without a value are left without one.
 template <class T>
 struct PageAllocator {
   using value_type = T;
@@ -28,6 +29,12 @@ struct PageAllocator {
   void deallocate(T* pages, std::size_t count) {
     if (count * sizeof(T) < kLarge) return ::operator delete(pages);
     ::munmap(pages, count * sizeof(T));
+  }
+
+  void construct(T* element) { ::new (static_cast<void*>(element)) T; }
+  template <class... Arguments>
+  void construct(T* element, Arguments&&... arguments) {
+    ::new (static_cast<void*>(element)) T(std::forward<Arguments>(arguments)...);
   }
 
   friend bool operator==(const PageAllocator&, const PageAllocator&) { return true; }

@@ -170,7 +170,7 @@ Status TiffImage::visit_decoded(const Part& part, const std::function<void(const
 }
 
 Result<ChunkCache::Chunk> TiffImage::read_chunk(std::int64_t chunk, std::int64_t rows) const {
-  ChunkCache::Chunk bytes(static_cast<std::size_t>(rows) * decoded_row_bytes(layout_));
+  ChunkCache::Chunk bytes = cache_.room_for(static_cast<std::size_t>(rows) * decoded_row_bytes(layout_));
   if (auto read = file_.read_at(offsets_[static_cast<std::size_t>(chunk)], bytes); !read) return read.error();
   if (swapped_) swap_bytes(bytes.data(), bytes.size() / size_of(layout_.type), size_of(layout_.type));
   return bytes;
@@ -180,7 +180,7 @@ Result<ChunkCache::Chunk> TiffImage::decode_chunk(std::int64_t chunk, std::int64
   if (stored_) return read_chunk(chunk, rows);
   auto handle = handles_.take();
   if (!handle) return handle.error();
-  ChunkCache::Chunk bytes(static_cast<std::size_t>(rows * packed_row_bytes(layout_)));
+  ChunkCache::Chunk bytes = cache_.room_for(static_cast<std::size_t>(rows * packed_row_bytes(layout_)));
   const auto number = static_cast<std::uint32_t>(chunk);
   const auto size = static_cast<tmsize_t>(bytes.size());
   (*handle)->note({});
