@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
+#include <span>
 #include <utility>
 
 namespace cairn {
@@ -52,18 +53,32 @@ LinearImage strip_of(const std::vector<std::size_t>& blocks, const LinearImage& 
 
 }  // namespace
 
-EncodedMip encode_mip(const UnsetVector<std::uint8_t>& rgba, int size, TextureQuality quality) {
-  EncodedMip mip{size, {}, {}};
-  encode_texture(TextureFormat::bc1, quality, rgba, size, size, mip.blocks);
-  bc1_errors(rgba, size, size, mip.blocks, mip.errors);
-  return mip;
+// A row of blocks at a time, which stays in the processor's nearest cache from texels to errors.
+std::optional<EncodedMip> encode_opaque_mip(const LinearImage& mip, TextureQuality quality) {
+  const int size = mip.columns, rows = std::min(32, size);
+  const auto columns = static_cast<std::size_t>(size);
+  const std::size_t along = blocks_along(size);
+  EncodedMip encoded{size, {}, {}};
+  encoded.blocks.reserve(along * along * kBlockBytes);
+  encoded.errors.reserve(along * along);
+  UnsetVector<std::uint8_t> rgba(4 * columns * static_cast<std::size_t>(rows));
+  for (int top = 0; top < size; top += rows) {
+    for (int r = 0; r < rows; ++r) {
+      if (!to_srgb({mip.row(top + r), columns}, &rgba[4 * columns * static_cast<std::size_t>(r)]))
+        return std::nullopt;
+    }
+    encode_texture(TextureFormat::bc1, quality, rgba, size, rows, encoded.blocks);
+    bc1_errors(rgba, size, rows, std::span(encoded.blocks).last(along * blocks_along(rows) * kBlockBytes),
+               encoded.errors);
+  }
+  return encoded;
 }
 
 EncodedMip join_mips(const std::array<const EncodedMip*, 4>& children, const LinearImage& mip,
                      TextureQuality quality) {
   const std::size_t along = blocks_along(mip.columns);
   // Blocks of children this small lie on both sides of a middle line.
-  if (mip.columns < 16) return encode_mip(to_srgb(mip).rgba, mip.columns, quality);
+  if (mip.columns < 16) return *encode_opaque_mip(mip, quality);
   EncodedMip joined{mip.columns, {}, {}};
   joined.blocks.resize(along * along * kBlockBytes);
   joined.errors.resize(along * along);

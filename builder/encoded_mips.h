@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "builder/linear_image.h"
@@ -20,10 +21,10 @@ struct EncodedMip {
 /// Each half the size of the one before.
 using EncodedMips = std::vector<EncodedMip>;
 
-/// Encodes a mip from its texels in sRGB, RGBA. REQUIRES: all are opaque.
-EncodedMip encode_mip(const UnsetVector<std::uint8_t>& rgba, int size, TextureQuality quality);
+/// Encodes a square mip. None where a texel is not opaque.
+std::optional<EncodedMip> encode_opaque_mip(const LinearImage& mip, TextureQuality quality);
 
-/// encode_mip() of a tile's mip whose quarters the children's mips are, by quadrant (bit 0 east, bit 1
+/// encode_opaque_mip() of a tile's mip whose quarters the children's mips are, by quadrant (bit 0 east, bit 1
 /// north). They have the tile's own texels but beside the two lines on which the children meet, where they
 /// have what each shares with its neighbour. So only the blocks along these lines are encoded, the others
 /// taken over. `mip` has the tile's texels, all opaque. The children may be null where the mip is smaller

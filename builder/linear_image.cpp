@@ -35,6 +35,8 @@ bool is_empty(const LinearImage& image) {
 
 namespace {
 
+static_assert(std::endian::native == std::endian::little);
+
 // One texel with some transparency: R, G, B divided by alpha, and alpha, as 16-bit numbers from the lowest
 // up.
 std::uint64_t unmultiplied(std::uint64_t texel) {
@@ -46,30 +48,55 @@ std::uint64_t unmultiplied(std::uint64_t texel) {
   return plain;
 }
 
+// Without a way out of the loop, which then is a wide one.
+bool all_opaque(std::span<const LinearTexel> row) {
+  std::uint64_t all = ~std::uint64_t{0};
+  for (const LinearTexel& linear : row) {
+    std::uint64_t texel = 0;
+    std::memcpy(&texel, &linear, sizeof texel);
+    all &= texel;
+  }
+  return all >> 48 == 65535;
+}
+
+// Byte by byte: to put a texel's together first takes longer.
+void opaque_to_srgb(std::span<const LinearTexel> row, const std::uint8_t* codes, std::uint8_t* rgba) {
+  for (const LinearTexel& texel : row) {
+    for (std::size_t k = 0; k < 3; ++k) rgba[k] = codes[texel[k]];
+    rgba[3] = 255;
+    rgba += 4;
+  }
+}
+
 }  // namespace
 
-SrgbImage to_srgb(const LinearImage& image) {
-  static_assert(std::endian::native == std::endian::little);
+bool to_srgb(std::span<const LinearTexel> row, std::uint8_t* rgba) {
   const std::uint8_t* codes = srgb_of_linear().data();
+  if (all_opaque(row)) {
+    opaque_to_srgb(row, codes, rgba);
+    return true;
+  }
+  bool is_opaque = true;
+  for (const LinearTexel& linear : row) {
+    std::uint64_t texel = 0;
+    std::memcpy(&texel, &linear, sizeof texel);
+    texel = unmultiplied(texel);
+    const auto alpha = static_cast<std::uint8_t>(((texel >> 48) + 128) / 257);
+    is_opaque = is_opaque && alpha == 255;
+    for (int k = 0; k < 3; ++k) rgba[k] = codes[texel >> 16 * k & 65535];
+    rgba[3] = alpha;
+    rgba += 4;
+  }
+  return is_opaque;
+}
+
+SrgbImage to_srgb(const LinearImage& image) {
   const auto columns = static_cast<std::size_t>(image.columns);
   SrgbImage srgb{UnsetVector<std::uint8_t>(4 * columns * static_cast<std::size_t>(image.rows)), true};
-  std::uint8_t* out = srgb.rgba.data();
   for (int r = 0; r < image.rows; ++r) {
-    const LinearTexel* row = image.row(r);
-    for (std::size_t c = 0; c < columns; ++c, out += 4) {
-      std::uint64_t texel = 0;
-      std::memcpy(&texel, row + c, sizeof texel);
-      std::uint32_t alpha = 255;
-      if (texel >> 48 != 65535) {
-        texel = unmultiplied(texel);
-        alpha = static_cast<std::uint32_t>(((texel >> 48) + 128) / 257);
-        srgb.is_opaque = srgb.is_opaque && alpha == 255;
-      }
-      const std::uint32_t red = codes[texel & 65535], green = codes[texel >> 16 & 65535],
-                          blue = codes[texel >> 32 & 65535];
-      const std::uint32_t packed = red | green << 8 | blue << 16 | alpha << 24;
-      std::memcpy(out, &packed, sizeof packed);
-    }
+    const bool is_opaque =
+        to_srgb({image.row(r), columns}, &srgb.rgba[4 * columns * static_cast<std::size_t>(r)]);
+    srgb.is_opaque = srgb.is_opaque && is_opaque;
   }
   return srgb;
 }

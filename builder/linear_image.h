@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "builder/unset_vector.h"
 
@@ -73,5 +74,8 @@ struct SrgbImage {
   bool is_opaque = false;  ///< every alpha is 255
 };
 SrgbImage to_srgb(const LinearImage& image);
+
+/// The same of a row of texels, to 4 bytes each. Returns whether every alpha is 255.
+bool to_srgb(std::span<const LinearTexel> row, std::uint8_t* rgba);
 
 }  // namespace cairn

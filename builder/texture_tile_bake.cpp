@@ -119,7 +119,7 @@ class Frame {
 // Gives `use` each mip of the tile in linear light, its edges agreed upon, the finest first. `half` is as
 // before in the end.
 template <class Use>
-void for_each_mip(LinearImage&& image, LinearImage& half, const TileRim& rim, const Use& use) {
+void for_each_mip(LinearImage& image, LinearImage& half, const TileRim& rim, const Use& use) {
   int number = 0;
   const auto agreed = [&](LinearImage& mip) {
     rim.agree(number++, mip);
@@ -171,23 +171,41 @@ TileBlock tile_of(const TileId& id, EncodedMips& mips) {
   return block_of(id, 0, tile, psnr_of(error));
 }
 
-// Whether a tile of these children's mips could be of one colour: then all of its blocks are equal.
+// Whether all blocks are like the first of `model`, which those of a tile of one colour are.
+bool has_one_block(const EncodedMip& mip, const EncodedMip& model) {
+  for (std::size_t i = 0; i < mip.blocks.size(); i += 8) {
+    if (std::memcmp(&mip.blocks[i], model.blocks.data(), 8) != 0) return false;
+  }
+  return true;
+}
+
+bool may_be_one_colour(const EncodedMips& mips) {
+  return std::all_of(mips.begin(), mips.end(), [&](const auto& mip) { return has_one_block(mip, mips[0]); });
+}
+
+// The same of a tile made of these children's mips.
 bool may_be_one_colour(const std::array<EncodedMips, 4>& children) {
-  const std::vector<std::byte>& first = children[0][0].blocks;
-  return std::all_of(children.begin(), children.end(), [&](const EncodedMips& child) {
-    const std::vector<std::byte>& blocks = child[0].blocks;
-    for (std::size_t i = 0; i < blocks.size(); i += 8) {
-      if (std::memcmp(&blocks[i], first.data(), 8) != 0) return false;
-    }
-    return true;
+  return std::all_of(children.begin(), children.end(),
+                     [&](const EncodedMips& child) { return has_one_block(child[0], children[0][0]); });
+}
+
+// None where a texel is not opaque.
+EncodedMips opaque_mips(TileTexels& texels, TextureQuality quality) {
+  EncodedMips mips;
+  bool is_opaque = true;
+  for_each_mip(texels.image, texels.half, texels.rim, [&](const LinearImage& mip) {
+    auto encoded = is_opaque ? encode_opaque_mip(mip, quality) : std::nullopt;
+    is_opaque = encoded.has_value();
+    if (encoded) mips.push_back(std::move(*encoded));
   });
+  return is_opaque ? mips : EncodedMips();
 }
 
 // The tile's mips from those of its children, where these are all there.
 EncodedMips joined_mips(TileTexels& texels, const std::array<EncodedMips, 4>& children,
                         TextureQuality quality) {
   EncodedMips mips;
-  for_each_mip(std::move(texels.image), texels.half, texels.rim, [&](const LinearImage& mip) {
+  for_each_mip(texels.image, texels.half, texels.rim, [&](const LinearImage& mip) {
     const std::size_t m = mips.size();
     std::array<const EncodedMip*, 4> quarters{};
     for (std::size_t q = 0; q < 4 && m < children[q].size(); ++q) quarters[q] = &children[q][m];
@@ -201,7 +219,7 @@ EncodedMips joined_mips(TileTexels& texels, const std::array<EncodedMips, 4>& ch
 MipChain mip_chain(TileTexels&& texels) {
   MipChain chain;
   const int size = texels.image.columns;
-  for_each_mip(std::move(texels.image), texels.half, texels.rim, [&](const LinearImage& mip) {
+  for_each_mip(texels.image, texels.half, texels.rim, [&](const LinearImage& mip) {
     SrgbImage srgb = to_srgb(mip);
     chain.is_opaque = chain.is_opaque && srgb.is_opaque;
     chain.mips.push_back(std::move(srgb.rgba));
@@ -220,16 +238,19 @@ TileBlock encode_texture_tile(const TileId& id, TileTexels&& texels, const Image
     encoded = joined_mips(texels, children, options.quality);
     return tile_of(id, encoded);
   }
+  if (options.format == TextureFormat::bc1) {
+    encoded = opaque_mips(texels, options.quality);
+    if (!encoded.empty() && !may_be_one_colour(encoded)) return tile_of(id, encoded);
+  }
   const int size = texels.image.columns;
   const MipChain chain = mip_chain(std::move(texels));
   std::uint8_t flags = 0;
   if (!chain.is_opaque) flags = kHasAlpha;
-  if (is_one_colour(chain.mips)) return constant_tile(id, flags, chain.mips[0].data());
-  if (chain.is_opaque && options.format == TextureFormat::bc1) {
-    for (std::size_t m = 0; m < chain.mips.size(); ++m)
-      encoded.push_back(encode_mip(chain.mips[m], size >> m, options.quality));
-    return tile_of(id, encoded);
+  if (is_one_colour(chain.mips)) {
+    encoded.clear();
+    return constant_tile(id, flags, chain.mips[0].data());
   }
+  if (!encoded.empty()) return tile_of(id, encoded);
   const bool needs_alpha = !chain.is_opaque && options.format == TextureFormat::bc1;
   TextureTile tile{needs_alpha ? TextureFormat::bc3 : options.format, size, {}};
   tile.texels.reserve(texture_chain_bytes(tile.format, tile.size));

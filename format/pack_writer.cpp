@@ -15,6 +15,7 @@ namespace cairn {
 namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+constexpr std::size_t kLargeBlock = std::size_t{64} << 10;  // costs less to write by itself than to copy
 constexpr std::size_t kIndexPieceEntries = 16384;
 constexpr std::uint64_t kSyncBytes = std::uint64_t{8} << 20;
 
@@ -52,10 +53,11 @@ struct PackWriter::State {
 };
 
 Status PackWriter::State::append(std::span<const std::byte> bytes) {
-  if (buffer.size() + bytes.size() > kBufferBytes) {
+  const bool is_large = bytes.size() > kLargeBlock;
+  if (is_large || buffer.size() + bytes.size() > kBufferBytes) {
     if (const Status status = flush(); !status) return status;
   }
-  if (bytes.size() > kBufferBytes) {
+  if (is_large) {
     const Status status = file.write(flushed, bytes);
     if (status) flushed += bytes.size();
     return status;
