@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "format/tile_id.h"
@@ -45,9 +47,19 @@ struct PerimeterVertex {
   float height_m = 0;  ///< NaN: void
 };
 
+/// A vertex of a wall: at a vertex of a grid, at another height, or at the grid's own.
+struct WallVertex {
+  std::uint32_t patch = 0;     ///< whose grid `at` is a vertex of, in MeshPlan::patches
+  std::uint32_t shown_as = 0;  ///< the patch whose colours it has
+  PerimeterVertex at;
+  glm::vec2 place{0};  ///< in that patch, 0…1 from its south-west corner
+};
+
 struct MeshPlan {
   std::vector<GridPatch> patches;
   std::vector<PerimeterVertex> perimeter;
+  std::vector<WallVertex> wall_vertices;
+  std::vector<std::array<std::uint32_t, 3>> wall_triangles;  ///< either way round
 };
 
 struct MeshRules {
@@ -63,18 +75,23 @@ struct MeshRules {
 /// Each patch takes the coarsest grid whose deviation, that of the decimated heights plus that of the chords
 /// from the Earth's curvature, is at most the tolerance as seen from the eye; an area
 /// that needs more cells than a block has is split, so that its near parts get finer grids than its far ones.
-/// Two patches that touch along a segment draw it with the vertices of the coarser of their grids: the finer
-/// grid's other vertices on it move onto those, so that no vertex of one lies on an edge of the other. (De
-/// Boer 2000 leaves vertices out likewise; here it is done for any two grids.) Samples nest, so that both
-/// read equal heights; where a patch is too small to have a sample of the coarser at its corners, and where
-/// one has no heights, all that touch the point take the height that the coarsest gives. Patches whose levels
-/// differ by more than kMaxLevelStep are split, so that the coarser has a vertex where a finer one ends.
+/// Two patches that touch along a segment and show equal detail draw it with the vertices of the coarser of
+/// their grids: the finer grid's other vertices on it move onto those, so that no vertex of one lies on an
+/// edge of the other. (De Boer 2000 leaves vertices out likewise; here it is done for any two grids.) Samples
+/// nest, so that both read equal heights; where a patch is too small to have a sample of the shown level at
+/// its corners, all of that detail that touch the point take the height that the coarsest tile gives. Patches
+/// whose levels differ by more than kMaxLevelStep are split, so that the coarser has a vertex where a finer
+/// one ends.
 ///
-/// What is drawn at a place is the surface with the detail of the grid or of the area, whichever is less;
-/// where two touch, the less of both. So when grids change between two frames, no place of theirs moves by
-/// more than the tolerance: the deviations that are compared with it are sums over the steps from the finest
-/// detail. Of what else moves a place, an area that `moves`, half is left: next to such a one, too, grids
-/// keep half.
+/// Where the two sides show different detail, or one has no heights, each keeps its own rim, and a wall fills
+/// what gapes between them: vertical triangles that have every edge of the one rim and every edge of the
+/// other. Where all tiles are there that the eye asks for, a wall is as high as a tile's error: what the eye
+/// allows. It is a cliff where a source ends.
+///
+/// So what is drawn at a place is its area's surface and nobody else's, with the detail of the grid or of the
+/// area, whichever is less, and when grids change between two frames, no place moves by more than the
+/// tolerance: the deviations that are compared with it are sums over the steps from the finest detail. Of
+/// what else moves a place, an area that `moves`, half is left.
 ///
 /// REQUIRES: no two areas overlap; every surface has rules.tile_size samples a side.
 MeshPlan plan_mesh(std::span<const MeshArea> areas, const MeshRules& rules);

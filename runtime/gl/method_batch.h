@@ -16,7 +16,7 @@ class MethodBatch {
  public:
   MethodBatch();
 
-  /// With the program and the textures bound that terrain.vert and .frag read, and its `is_given` set. A
+  /// With the program and the textures bound that terrain.vert and .frag read, and its vertices' kind set. A
   /// record for each tile of the scene that the mesh is of. Returns the triangles. `calls` false: all but the
   /// draw call.
   std::size_t draw(const LodMesh& mesh, const LodScene& scene, std::span<const PatchRecord> records,

@@ -28,7 +28,7 @@ struct Patch {
   std::size_t from = 0;
   ShownSurface surface;
   double distance_m = 0;  ///< from the eye to the nearest point, or less
-  bool moves = false;     ///< or touches one that does
+  bool moves = false;
 };
 
 /// The areas, split until a grid of a block's size keeps the tolerance, and until neighbours differ by

@@ -16,6 +16,7 @@
 #include "runtime/gl/shader_program.h"
 #include "runtime/gl/shown_tiles.h"
 #include "runtime/gl/thread_clock.h"
+#include "runtime/gl/wall_batch.h"
 
 namespace cairn::gl {
 namespace {
@@ -30,8 +31,10 @@ enum Location : GLint {
   kLook = 6,
   kQuantum = 7,
   kHorizon = 8,
-  kIsGiven = 9
+  kVertexKind = 9
 };
+enum VertexKind : GLuint { kOfGrid = 0, kOfMethod = 1, kOfWall = 2 };
+constexpr float kFarthestDepth = 1e-30f;  // no terrain is so far that its own would be as small
 enum LookBits : GLuint { kLevelColours = 1, kFog = 2 };
 
 }  // namespace
@@ -45,7 +48,8 @@ struct Renderer::State {
   ResidentTiles tiles;
   ColumnBuffer columns;
   RowBuffer rows;
-  GridBatch batch;
+  GridBatch grids;
+  WallBatch walls;
   MethodBatch method_batch;
   const LodMethodInfo* method_info = nullptr;  // of the method, which is kept from frame to frame
   std::unique_ptr<LodMethod> method;
@@ -117,7 +121,6 @@ void Renderer::State::set_uniforms(const CameraFrame& camera, const ViewState& v
   glProgramUniform3d(program, kEye, camera.position.x, camera.position.y, camera.position.z);
   glProgramUniformMatrix4fv(program, kClip, 1, GL_FALSE, glm::value_ptr(clip));
   glProgramUniform1ui(program, kCells, static_cast<GLuint>(cells_log2_of(tiles.tile_size())));
-  glProgramUniform1i(program, kIsGiven, look.method ? 1 : 0);
   glProgramUniform1f(program, kQuantum, static_cast<float>(quantum_m));
   const glm::vec4 horizon(horizon_plane(camera.position));
   glProgramUniform4f(program, kHorizon, horizon.x, horizon.y, horizon.z, horizon.w);
@@ -170,6 +173,10 @@ void begin_picture(const ViewState& view, const FrameLook& look, unsigned frameb
   glEnable(GL_DEPTH_TEST);
   glDisable(GL_CULL_FACE);  // rounding may turn a sliver over; it must be drawn all the same
   glDepthFunc(GL_GREATER);
+  // A triangle seen edge-on, as a wall may be, has no slope to reckon a pixel's depth by: what comes out may
+  // be anything, and must not be that of the sky.
+  glEnable(GL_DEPTH_CLAMP);
+  glDepthRangef(kFarthestDepth, 1);
   const glm::vec3 background = look.hole_colour.value_or(glm::vec3(0));
   glClearColor(background.r, background.g, background.b, 1);
   glClearDepth(0);
@@ -216,13 +223,19 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
   glUseProgram(s.terrain.name());
   s.tiles.bind();
   if (look.method) {
+    glProgramUniform1ui(s.terrain.name(), kVertexKind, kOfMethod);
     counts.triangles = s.method_batch.draw(mesh, scene.scene, records, camera.position, look.draws);
   } else if (!records.empty()) {
-    counts.triangles = s.batch.draw(records, plan.perimeter, s.columns, s.rows, look.draws);
+    glProgramUniform1ui(s.terrain.name(), kVertexKind, kOfGrid);
+    counts.triangles = s.grids.draw(records, plan.perimeter, s.columns, s.rows, look.draws);
+    glProgramUniform1ui(s.terrain.name(), kVertexKind, kOfWall);
+    counts.triangles += s.walls.draw(plan, look.draws);
   }
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glDisable(GL_CLIP_DISTANCE0);
   glDisable(GL_CLIP_DISTANCE1);
+  glDisable(GL_DEPTH_CLAMP);
+  glDepthRangef(0, 1);
   if (!look.hole_colour && look.draws) s.draw_sky(camera, view);
   counts.gpu_bytes = s.tiles.bytes() + s.columns.bytes() + s.rows.bytes();
   return counts;

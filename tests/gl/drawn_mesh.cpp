@@ -77,18 +77,6 @@ std::array<int, 2> DrawnMesh::cell_at(const GridPatch& patch, LonLat place) {
           static_cast<int>((place.lat - b.south) / b.height() * patch.cells())};
 }
 
-bool DrawnMesh::is_beside_another(LonLat place) const {
-  const GridPatch* patch = patch_at(place);
-  if (!patch) return false;
-  const auto [column, row] = cell_at(*patch, place);
-  const std::array<bool, 4> beside = {row == 0, row >= patch->cells_north - 1, column == 0,
-                                      column >= patch->cells_east - 1};
-  for (unsigned side = 0; side < 4; ++side) {
-    if (beside[side] && (patch->listed_sides >> side & 1) != 0) return true;
-  }
-  return false;
-}
-
 std::optional<double> DrawnMesh::height_m(LonLat place) const {
   const GridPatch* patch = patch_at(place);
   if (!patch) return std::nullopt;

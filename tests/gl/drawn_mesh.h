@@ -19,8 +19,6 @@ class DrawnMesh {
 
   /// The height above the ellipsoid of the triangle over a place; nullopt where none is, or a void.
   std::optional<double> height_m(LonLat place) const;
-  /// Whether the place is in a row of cells along a side that another grid or surface has a say in.
-  bool is_beside_another(LonLat place) const;
 
  private:
   struct Vertex {

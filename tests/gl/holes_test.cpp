@@ -79,6 +79,7 @@ TEST_CASE("no random camera that looks down sees a hole in generated ridges") {
     Stage stage(path);
     const LonLat place = ridge_places()[pack];
     for (const double apart : {30.0, 0.3}) {
+      // Beyond a pole cameras stand on it, from where the walls along meridians are seen edge-on.
       const GeoBounds near{place.lon - apart, place.lat - apart, place.lon + apart, place.lat + apart};
       CHECK(cameras_with_holes(stage, near, 25, static_cast<unsigned>(pack)) == 0);
     }

@@ -38,11 +38,13 @@ layout(location = 2) uniform uint tile_cells_log2;
 layout(location = 7) uniform float quantum;
 layout(location = 8) uniform vec4 horizon;  // a plane that the Earth's far side lies behind
 
-layout(location = 9) uniform bool is_given;  // vertices are a level-of-detail method's, not those of a grid
+const uint kOfGrid = 0u, kOfMethod = 1u, kOfWall = 2u;
+layout(location = 9) uniform uint vertex_kind;
 
 layout(location = 0) in uint patch_index;
 layout(location = 1) in vec3 given_from_eye;
-layout(location = 2) in vec3 given_place_and_height;
+layout(location = 2) in vec3 given_place_and_height;  // of a wall's vertex the place alone
+layout(location = 3) in uvec3 wall;  // the patch whose colours it has; as a PerimeterVertex
 
 layout(location = 0) out vec2 patch_place;  // 0…1 from the south-west corner
 layout(location = 1) out vec3 from_eye;
@@ -124,6 +126,23 @@ int listed_entry(uvec2 v, Patch p, uint cells) {
   return -1;
 }
 
+// Doubles until the eye is subtracted: a float at the Earth's radius has steps of half a metre. The same
+// entries and the same operations give the same bits for a vertex of any patch.
+vec3 position_from_eye(Patch p, uvec2 vertex) {
+  uvec2 entry = vertex << (tile_cells_log2 - p.cells_log2);
+  dvec2 column = columns[p.column_table + entry.x];
+  dvec4 row = rows[p.row_table + entry.y];
+  double hd = double(height);
+  precise double from_axis = row.x + hd * row.y;
+  precise dvec3 relative = dvec3(from_axis * column.x - eye.x, from_axis * column.y - eye.y,
+                                 (row.z + hd * row.w) - eye.z);
+  return vec3(relative);
+}
+
+uvec2 column_and_row(uint both) {
+  return uvec2(both & 65535u, both >> 16);
+}
+
 // Sets the place, the height and the position of a grid's vertex; whether it is void.
 bool take_from_grid(Patch p) {
   uint cells = 1u << p.cells_log2;
@@ -133,7 +152,7 @@ bool take_from_grid(Patch p) {
   int entry_of_side = listed_entry(v, p, cells);
   if (entry_of_side >= 0) {
     PerimeterVertex on_side = perimeter[entry_of_side];
-    v = uvec2(on_side.column_row & 65535u, on_side.column_row >> 16);
+    v = column_and_row(on_side.column_row);
     height = on_side.height;
     is_void = isnan(height);
   } else {
@@ -141,24 +160,24 @@ bool take_from_grid(Patch p) {
   }
   if (is_void) height = 0.0;
   patch_place = vec2(v) / float(cells);
-
-  // Doubles until the eye is subtracted: a float at the Earth's radius has steps of half a metre. The same
-  // entries and the same operations give the same bits for a vertex of any patch.
-  uvec2 entry = v << (tile_cells_log2 - p.cells_log2);
-  dvec2 column = columns[p.column_table + entry.x];
-  dvec4 row = rows[p.row_table + entry.y];
-  double hd = double(height);
-  precise double from_axis = row.x + hd * row.y;
-  precise dvec3 relative = dvec3(from_axis * column.x - eye.x, from_axis * column.y - eye.y,
-                                 (row.z + hd * row.w) - eye.z);
-  from_eye = vec3(relative);
+  from_eye = position_from_eye(p, v);
   return is_void;
+}
+
+// The same of a wall's, which has a place in the patch that it is shown as, and stands on a vertex of the other.
+void take_from_wall(Patch p) {
+  patch_place = given_place_and_height.xy;
+  height = uintBitsToFloat(wall.z);
+  from_eye = position_from_eye(p, column_and_row(wall.y));
 }
 
 void main() {
   Patch p = patches[patch_index];
   bool is_void = false;
-  if (is_given) {
+  if (vertex_kind == kOfWall) {
+    take_from_wall(p);
+    p = patches[wall.x];
+  } else if (vertex_kind == kOfMethod) {
     from_eye = given_from_eye;
     patch_place = given_place_and_height.xy;
     height = given_place_and_height.z;
