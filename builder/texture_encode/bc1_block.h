@@ -250,19 +250,31 @@ CAIRN_INLINE F fit_ends(const Colours& colours, const Weights& weights, Ends& en
   return error;
 }
 
-CAIRN_INLINE Weights weights_of(const Colours& colours, const F position[16]) {
-  F sum{}, squares{};
-  Weights weights{};
-  for (int i = 0; i < 16; ++i) {
-    sum += position[i];
-    squares += position[i] * position[i];
-    for (int c = 0; c < 3; ++c) weights.products[c] += position[i] * colours.channel[c][i];
-  }
-  for (F& product : weights.products) product *= 1 / 3.0F;
-  weights.bb = squares * (1 / 9.0F);
-  weights.ab = sum * (1 / 3.0F) - weights.bb;
+/// Sums of positions, from which their weights are.
+struct PositionSums {
+  F sum, squares;
+  F products[3];  ///< with the deviations
+};
+
+CAIRN_INLINE void add_position(const Colours& colours, int i, F position, PositionSums& sums) {
+  sums.sum += position;
+  sums.squares += position * position;
+  for (int c = 0; c < 3; ++c) sums.products[c] += position * colours.channel[c][i];
+}
+
+CAIRN_INLINE Weights weights_of(const PositionSums& sums) {
+  Weights weights;
+  for (int c = 0; c < 3; ++c) weights.products[c] = sums.products[c] * (1 / 3.0F);
+  weights.bb = sums.squares * (1 / 9.0F);
+  weights.ab = sums.sum * (1 / 3.0F) - weights.bb;
   weights.aa = 16.0F - 2.0F * weights.ab - weights.bb;
   return weights;
+}
+
+CAIRN_INLINE Weights weights_of(const Colours& colours, const F position[16]) {
+  PositionSums sums{};
+  for (int i = 0; i < 16; ++i) add_position(colours, i, position[i], sums);
+  return weights_of(sums);
 }
 
 CAIRN_INLINE void keep_better(const Ends& other, I better, Ends& best) {
