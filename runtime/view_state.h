@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
 #include "format/geo.h"
@@ -26,6 +27,12 @@ struct CameraFrame {
   glm::dvec3 right;
   glm::dvec3 up;
   glm::dvec3 forward;
+
+  /// Metres to the right, up, and along the view.
+  glm::dvec3 in_camera(const glm::dvec3& point) const {
+    const glm::dvec3 to = point - position;
+    return {glm::dot(to, right), glm::dot(to, up), glm::dot(to, forward)};
+  }
 };
 CameraFrame camera_frame(const ViewState& view);
 

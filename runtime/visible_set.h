@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include "runtime/bounding_volume.h"
+#include "runtime/horizon.h"
 #include "runtime/view_state.h"
 
 namespace cairn {
@@ -23,12 +24,10 @@ class ViewVolume {
 
  private:
   bool in_pyramid(const BoundingVolume& volume) const;
-  bool above_horizon(const BoundingVolume& volume) const;
 
   glm::dvec3 eye_;
   std::array<glm::dvec3, 5> inward_;  // normals of planes through the eye: four sides, and in front
-  glm::dvec3 scaled_eye_;             // in the occluder's scaled space
-  double horizon_square_;             // squared distance from there to the horizon; <= 0 inside
+  Horizon horizon_;
 };
 
 }  // namespace cairn

@@ -9,8 +9,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "runtime/horizon.h"
 #include "runtime/lab/delaunay.h"
-#include "runtime/lab/horizon.h"
 #include "runtime/lattice.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/screen.h"
@@ -62,7 +62,7 @@ class PictureSamples {
   glm::dvec3 position_of(const GridPlace& place, double height_m) const {
     LatticePoint point = point_of(place);
     point.y = std::clamp<std::int64_t>(point.y, 0, kLatticePoleToPole);
-    return in_camera(to_geocentric(point, height_m));
+    return screen_.camera().in_camera(to_geocentric(point, height_m));
   }
 
  private:
@@ -86,16 +86,10 @@ class PictureSamples {
         add({{across_from_eye(corner.x + c * spacing) / unit_, (corner.y + r * spacing) / unit_},
              0,
              0,
-             in_camera(point),
+             screen_.camera().in_camera(point),
              static_cast<float>(height_m)});
       }
     }
-  }
-
-  glm::dvec3 in_camera(const glm::dvec3& point) const {
-    const glm::dvec3 to = point - screen_.camera().position;
-    return {glm::dot(to, screen_.camera().right), glm::dot(to, screen_.camera().up),
-            glm::dot(to, screen_.camera().forward)};
   }
 
   void add(Sample sample) {

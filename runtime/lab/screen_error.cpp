@@ -6,7 +6,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "runtime/lab/horizon.h"
+#include "runtime/horizon.h"
 #include "runtime/lab/parallel.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/visible_set.h"
@@ -16,12 +16,6 @@ namespace {
 
 constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
 constexpr double kNearest_m = 1;
-
-/// A point as the camera has it: right, up, and along the view.
-glm::dvec3 in_camera(const CameraFrame& camera, const glm::dvec3& point) {
-  const glm::dvec3 to = point - camera.position;
-  return {glm::dot(to, camera.right), glm::dot(to, camera.up), glm::dot(to, camera.forward)};
-}
 
 bool contains(const TileId& outer, const TileId& inner) {
   return outer.level <= inner.level && ancestor_of(inner, outer.level) == outer;
@@ -154,7 +148,7 @@ bool FinestPicture::fill(Leaf& leaf, const HeightTile& heights, const TileId& so
     for (int c = 0; c < leaf.side; ++c, ++i) {
       if (heights.is_void(column + c, row + r)) continue;
       const glm::dvec3 point = positions.at(c, r, heights.at(column + c, row + r) * quantum_m);
-      const glm::dvec3 p = in_camera(screen_.camera(), point);
+      const glm::dvec3 p = screen_.camera().in_camera(point);
       if (p.z < kNearest_m) continue;
       const double u = p.x * screen_.pixels_per_radian() / p.z, v = p.y * screen_.pixels_per_radian() / p.z;
       if (std::abs(u) > half_width || std::abs(v) > half_height || horizon.hides(point)) continue;
@@ -172,7 +166,7 @@ FinestPicture::Projected FinestPicture::project(const PlacedMesh& mesh) const {
   for_each_index(mesh.positions.size(), threads_, [&](std::size_t i) {
     projected.vertices[i].reserve(mesh.positions[i].size());
     for (const glm::dvec3& p : mesh.positions[i]) {
-      projected.vertices[i].push_back(in_camera(screen_.camera(), p));
+      projected.vertices[i].push_back(screen_.camera().in_camera(p));
     }
   });
   return projected;

@@ -7,8 +7,9 @@
 // SOAR's have to, where a fine cliff at the far end of a large square makes all that is above it as bad. The
 // largest error within a square only says where not to look.
 //
-// A bound over a square asks for too much near the eye. There, a triangle of the finest tiles is looked into
-// before it is bisected: every sample of it is projected (TriangleError).
+// A bound over a square asks for too much: of a triangle it takes the worst sample to be at the worst place,
+// and the Earth's curvature to be seen from the side. So a triangle is looked into before it is bisected,
+// part by part, down to its samples where need be (TriangleError).
 //
 // A vertical error is seen under the angle between the ray and the vertical: looking down it hardly shows
 // (Allowance).
@@ -20,10 +21,9 @@
 // triangles: the quarter of a cell's twist by which these differ from its bilinear surface is not mended.
 //
 // Measured beside it was the same hierarchy with errors and spheres grown towards the coarse, which is the
-// method `soar`: about as many triangles where the eye looks ahead, twice as many where it looks down, and
-// twice the CPU time, because each vertex is projected. Here a square whose scale hardly changes is projected
-// once for all within it, and what follows compares whole numbers. Spheres of 8 and 16 cells instead of 4
-// took more triangles for about the same time.
+// method `soar`: about as many triangles where the eye looks ahead and twice as many where it looks down.
+// Here a square whose scale hardly changes is projected once for all within it, and what follows compares
+// whole numbers. Spheres of 8 and 16 cells instead of 4 took more triangles for about the same time.
 
 #include <algorithm>
 #include <array>
@@ -42,13 +42,6 @@
 
 namespace cairn {
 namespace {
-
-/// A triangle is looked into where the bound asks for its bisection and it spans no more sample intervals:
-/// larger ones have too many samples to look at in a frame, and are rarely good enough.
-constexpr int kLooksInto = 16;
-
-/// Of two ways to project, each to its own rounding.
-constexpr double kRounding = 1e-6;
 
 /// Says what one tile's squares ask for.
 class Selection {
@@ -157,21 +150,14 @@ class Cairn : public LodMethod {
 
  private:
   void bisect_what_is_off(const LodScene& scene, const LodView& view) {
-    const TriangleError error(view.view);
-    const double most_px = view.tolerance_px * (1 - kRounding);
+    const TriangleError error(view, scene.lowest_m);
     forest_.settle([&](std::size_t i, const BisectionForest::Triangle& triangle) {
       const LodTile& tile = scene.tiles[i];
-      if (tile.error_m > 0 || span_of(triangle) > kLooksInto) return true;
       const TileWindow window(scene, tile);
       BisectionForest::Triangle samples = triangle;
       for (auto& [column, row] : samples) column += window.column(), row += window.row();
-      return error.exceeds(most_px, samples, *tile.heights, scene.quantum_m, errors_.of(tile).positions());
+      return error.exceeds({*tile.heights, scene.quantum_m, errors_.of(tile), tile.error_m}, samples);
     });
-  }
-
-  /// Sample intervals along the grid.
-  static int span_of(const BisectionForest::Triangle& t) {
-    return std::max(std::abs(t[0][0] - t[1][0]), std::abs(t[0][1] - t[1][1]));
   }
 
   void append(const LodScene& scene, const LodView& view, const Allowance& allowance, std::size_t i,

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
+#include <glm/vec2.hpp>
 
 #include "runtime/geodesy.h"
 #include "runtime/view_state.h"
@@ -33,10 +34,8 @@ constexpr double kSmall = 1.0 / 64;
 }  // namespace
 
 Allowance::Allowance(const LodView& view, double lowest_m)
-    : occluder_(lowest_m), tolerance_px_(view.tolerance_px) {
+    : horizon_(camera_frame(view.view).position, Occluder(lowest_m)), tolerance_px_(view.tolerance_px) {
   const CameraFrame camera = camera_frame(view.view);
-  eye_of_unit_ = camera.position / occluder_.radii;
-  eye_distance_ = glm::length(eye_of_unit_);
   eye_ = camera.position;
   forward_ = camera.forward;
   right_ = camera.right;
@@ -59,9 +58,9 @@ Allowance::Scale Allowance::scale_of(const SquareSphere& sphere) const {
   if (scale.depth_m <= 0) return scale;
   const glm::dvec3 up = up_at(sphere.centre);
   const double z = glm::dot(to, forward_), up_z = glm::dot(up, forward_);
-  const double beside = std::hypot(z * glm::dot(up, right_) - glm::dot(to, right_) * up_z,
-                                   z * glm::dot(up, up_) - glm::dot(to, up_) * up_z) +
-                        radius + far * (radius / kNormalTurn_m + kNormalTilt);
+  const glm::dvec2 across{z * glm::dot(up, right_) - glm::dot(to, right_) * up_z,
+                          z * glm::dot(up, up_) - glm::dot(to, up_) * up_z};
+  const double beside = glm::length(across) + radius + far * (radius / kNormalTurn_m + kNormalTilt);
   scale.any_px = focal_px_ * std::min(1 / corner_cosine_, far / scale.depth_m);
   scale.vertical_px = std::min(scale.any_px, focal_px_ * beside / scale.depth_m);
   scale.is_small = radius <= kSmall * scale.depth_m;
@@ -84,20 +83,7 @@ bool Allowance::sees(const SquareSphere& sphere) const {
   const glm::dvec3 to = sphere.centre - eye_;
   return std::all_of(inward_.begin(), inward_.end(),
                      [&](const glm::dvec3& n) { return glm::dot(n, to) >= -sphere.radius_m; }) &&
-         !is_below_horizon(sphere);
-}
-
-// Hidden is what lies in the cone from the eye around the unit sphere and behind where they touch: a sphere,
-// if its middle is there by its radius.
-bool Allowance::is_below_horizon(const SquareSphere& sphere) const {
-  const double d = eye_distance_, touch = d * d - 1;
-  if (touch <= 0) return false;
-  const glm::dvec3 to = sphere.centre / occluder_.radii - eye_of_unit_;
-  const double radius = sphere.radius_m / occluder_.radii.z;
-  const double along = -glm::dot(to, eye_of_unit_) / d;
-  if (along * d < touch + radius * d) return false;
-  const double across = std::sqrt(std::max(0.0, glm::dot(to, to) - along * along));
-  return along - across * std::sqrt(touch) >= radius * d;
+         !horizon_.hides(sphere.centre, sphere.radius_m);
 }
 
 }  // namespace cairn

@@ -4,6 +4,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "runtime/horizon.h"
 #include "runtime/lod/mesh/square_errors.h"
 #include "runtime/lod_method.h"
 
@@ -45,16 +46,12 @@ class Allowance {
   bool sees(const SquareSphere& sphere) const;
 
  private:
-  bool is_below_horizon(const SquareSphere& sphere) const;
-
   glm::dvec3 eye_;
   glm::dvec3 forward_;
   glm::dvec3 right_;
   glm::dvec3 up_;
   std::array<glm::dvec3, 4> inward_;  ///< normals of the picture's sides
-  Occluder occluder_;
-  glm::dvec3 eye_of_unit_{0};  ///< where the occluder is the unit sphere
-  double eye_distance_;        ///< its length
+  Horizon horizon_;
   double focal_px_;
   double tolerance_px_;
   double corner_cosine_;  ///< of the angle to the picture's corner

@@ -85,8 +85,12 @@ std::uint64_t BisectionForest::bytes() const {
 
 void BisectionForest::begin() {
   for (Tree& tree : trees_) {
-    if (tree.touched) std::fill(tree.masks.begin(), tree.masks.end(), Mask{0});
-    tree.touched = false;
+    if (tree.finest == kUntouched) continue;
+    // The larger squares come first.
+    const std::size_t end =
+        tree.finest > 1 ? tree.first[static_cast<std::size_t>(tree.finest) - 1] : tree.masks.size();
+    std::fill_n(tree.masks.begin(), end, Mask{0});
+    tree.finest = kUntouched;
   }
   open_.clear();
   any_wanted_ = false;
@@ -140,7 +144,7 @@ void BisectionForest::enable_centre(std::size_t tile, int k, int x, int y) {
   Mask& mask = tree.masks[slot(tree, k, x, y)];
   if ((mask & kCentre) != 0) return;
   mask |= kCentre;
-  tree.touched = true;
+  tree.finest = std::min(tree.finest, k);
   open({tile, k, x, y, kCentre});
   if (k == tree.levels) return;
   enable_middle(tile, k + 1, x / 2, y / 2, (y & 1) != 0 ? north : south);

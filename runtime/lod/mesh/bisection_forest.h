@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -68,6 +69,7 @@ class BisectionForest {
   static constexpr Mask kCentre = 1;
   static constexpr Mask bit_of(unsigned side) { return static_cast<Mask>(2u << side); }
   static constexpr int kWanted = 8;
+  static constexpr int kUntouched = 16;
 
   struct Beside {
     std::size_t tile;
@@ -81,7 +83,7 @@ class BisectionForest {
     std::array<std::size_t, 16> first{};  ///< in masks, of each level's squares
     std::vector<Mask> masks;
     std::array<std::vector<Beside>, 4> beside;
-    bool touched = false;
+    int finest = kUntouched;  ///< of the levels whose masks are not all 0
   };
   /// A vertex of a square, whose triangles may want to be bisected.
   struct Open {
@@ -101,7 +103,8 @@ class BisectionForest {
   void want(std::size_t tile, int k, int x, int y, Mask vertex) {
     Tree& tree = trees_[tile];
     tree.masks[slot(tree, k, x, y)] |= static_cast<Mask>(vertex << kWanted);
-    tree.touched = any_wanted_ = true;
+    tree.finest = std::min(tree.finest, k);
+    any_wanted_ = true;
   }
   void open(const Open& square) {
     if (any_wanted_) open_.push_back(square);

@@ -24,6 +24,13 @@ class GridPositions {
     return {across * c.cosine, across * c.sine, (r.polar_normal + height_m) * r.sine};
   }
 
+  /// Unit vector out of the ellipsoid.
+  glm::dvec3 up_at(int column, int row) const {
+    const Row& r = rows_[static_cast<std::size_t>(row)];
+    const Column& c = columns_[static_cast<std::size_t>(column)];
+    return {r.cosine * c.cosine, r.cosine * c.sine, r.sine};
+  }
+
   std::uint64_t bytes() const { return columns_.size() * sizeof(Column) + rows_.size() * sizeof(Row); }
 
  private:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -15,6 +16,10 @@ namespace cairn {
 /// A length in metres as the upper half of a float, rounded up: 0.4 % too large at most. Ordered like the
 /// lengths; 0 only of 0.
 std::uint16_t round_up(float length_m);
+/// Of such a code.
+inline float length_m(std::uint16_t code) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(code) << 15);
+}
 /// The largest code whose lengths are all at most this; -1 for a negative length.
 int round_down(float length_m);
 
@@ -48,8 +53,13 @@ class SquareErrors {
   SquareSphere sphere(int k, int x, int y) const;
 
   /// How far a flat triangle bisected at the centre of a square of 2^k cells is from the curved Earth, at
-  /// most; half of it where it is bisected at a middle. See chord_of_cell_m().
-  double chord_m(int k) const { return chord_of_cell_m_ * static_cast<double>(std::uint64_t{1} << (2 * k)); }
+  /// most, at the height that it has there; half of it where it is bisected at a middle. That of a level
+  /// surface, chord_of_cell_m(), and of its lean: where the corners' heights hᵢ differ, so do their normals
+  /// nᵢ, by which Σ wᵢwⱼ(hᵢ − hⱼ)(nᵢ − nⱼ) over the three pairs is added, 0.39 times the longer leg (in
+  /// radians) and what the heights differ by, at most.
+  double chord_m(int k) const { return chords_m_[static_cast<std::size_t>(k)]; }
+
+  double cell_radians() const { return cell_radians_; }  ///< of longitude and of latitude
 
   /// Of the tile's samples.
   const GridPositions& positions() const { return positions_; }
@@ -68,13 +78,16 @@ class SquareErrors {
            static_cast<std::size_t>(x);
   }
   void fill(const HeightTile& heights, const std::vector<float>& errors_m);
-  void place_spheres(const HeightTile& heights, double quantum_m);
+  std::vector<std::array<double, 2>> ranges_m(const HeightTile& heights, double quantum_m) const;
+  void measure_chords(const std::vector<std::array<double, 2>>& ranges, double highest_m);
+  void place_spheres(const HeightTile& heights, const std::vector<std::array<double, 2>>& ranges);
   SquareSphere sphere_over(int k, int x, int y, double low_m, double high_m) const;
   NearSphere near_sphere(const SquareSphere& sphere) const;
 
   GridPositions positions_;
   int levels_;
-  double chord_of_cell_m_;
+  double cell_radians_;
+  std::array<double, 16> chords_m_{};
   std::array<std::size_t, 16> first_{};
   std::vector<SquareError> squares_;
   glm::dvec3 middle_{0};

@@ -1,8 +1,8 @@
 #include "runtime/lod/mesh/triangle_error.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstdint>
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
@@ -10,73 +10,258 @@
 namespace cairn {
 namespace {
 
-/// Of a triangle's width to its distance: below, its scale hardly changes over it, and the bound is as good.
-constexpr double kFar = 1.0 / 32;
-
 /// What is nearer along the view is treated as at the eye.
 constexpr double kNearest_m = 1e-3;
 
 /// Beyond the picture's sides, for what rounding moves over them.
 constexpr double kMargin_px = 0.5;
 
-/// > 0 where p is to the left of the line from a to b.
-int left_of(const TriangleError::Corner& a, const TriangleError::Corner& b, int c, int r) {
-  return (b[0] - a[0]) * (r - a[1]) - (b[1] - a[1]) * (c - a[0]);
+/// Of two ways to project, each to its own rounding.
+constexpr double kRounding = 1e-6;
+
+/// Parts of so many cells are not worth a bound where their few samples say all.
+constexpr int kSamplesSpan = 2;
+
+/// Smaller parts are not asked whether the horizon hides them.
+constexpr int kHorizonSpan = 4;
+
+/// Parts of a triangle that are looked at before it is given up: as many as it spans cells, if these are
+/// more.
+constexpr int kParts = 64;
+
+/// Times the tolerance, beyond which a triangle's bound is believed. With this larger, the mesh has some
+/// hundredths fewer triangles for some tenths more time, smaller the other way round.
+constexpr double kHopeless = 2;
+
+/// Radians. Over triangles that are wider the bound of the Earth's curvature is too coarse to be believed.
+constexpr double kWide = 0.05;
+
+double length(double x, double y) {
+  return std::sqrt(x * x + y * y);
+}
+
+/// A displacement where rays have the direction t: f times this, over the depth, is its picture's.
+double across(const glm::dvec3& displacement, const glm::dvec2& t) {
+  return length(displacement.x - t.x * displacement.z, displacement.y - t.y * displacement.z);
+}
+
+double least(double a, double b, double c) {
+  return std::min(std::min(a, b), c);
+}
+double most(double a, double b, double c) {
+  return std::max(std::max(a, b), c);
 }
 
 }  // namespace
 
-TriangleError::TriangleError(const ViewState& view)
-    : camera_(camera_frame(view)),
-      focal_px_(view.viewport_height_px / (2 * std::tan(glm::radians(view.fov_y_deg) / 2))),
-      half_width_px_(view.viewport_width_px / 2.0 + kMargin_px),
-      half_height_px_(view.viewport_height_px / 2.0 + kMargin_px) {}
-
-glm::dvec3 TriangleError::in_camera(const glm::dvec3& point) const {
-  const glm::dvec3 to = point - camera_.position;
-  return {glm::dot(to, camera_.right), glm::dot(to, camera_.up), glm::dot(to, camera_.forward)};
+TriangleError::TriangleError(const LodView& view, double lowest_m)
+    : camera_(camera_frame(view.view)),
+      horizon_(camera_.position, Occluder(lowest_m)),
+      tolerance_(view.tolerance_px * (1 - kRounding)) {
+  const double focal_px =
+      view.view.viewport_height_px / (2 * std::tan(glm::radians(view.view.fov_y_deg) / 2));
+  tolerance_ /= focal_px;
+  half_width_ = (view.view.viewport_width_px / 2.0 + kMargin_px) / focal_px;
+  half_height_ = (view.view.viewport_height_px / 2.0 + kMargin_px) / focal_px;
 }
 
-bool TriangleError::exceeds(double most_px, const std::array<Corner, 3>& triangle, const HeightTile& heights,
-                            double quantum_m, const GridPositions& positions) const {
-  const auto& [a, b, c] = triangle;
-  const auto at = [&](int column, int row) {
-    return in_camera(positions.at(column, row, heights.at(column, row) * quantum_m));
-  };
-  const glm::dvec3 pa = at(a[0], a[1]);
-  const glm::dvec3 pb = at(b[0], b[1]);
-  if (glm::length(pb - pa) < kFar * glm::length(pa)) return true;
-  const double scale = 1.0 / left_of(a, b, c[0], c[1]);
-  const glm::dvec3 to_b = (pb - pa) * scale, to_c = (at(c[0], c[1]) - pa) * scale;
-  const auto [low_row, high_row] = std::minmax({a[1], b[1], c[1]});
-  const auto [low_column, high_column] = std::minmax({a[0], b[0], c[0]});
-  const auto is_off = [&](int column, int row) {
-    const int in_c = left_of(a, b, column, row), in_b = left_of(c, a, column, row);
-    const glm::dvec3 is = at(column, row);
-    if (is.z < kNearest_m || std::abs(is.x) * focal_px_ > half_width_px_ * is.z ||
-        std::abs(is.y) * focal_px_ > half_height_px_ * is.z)
-      return false;
-    const glm::dvec3 drawn = pa + static_cast<double>(in_b) * to_b + static_cast<double>(in_c) * to_c;
-    if (drawn.z < kNearest_m) return true;
-    // Both over their depths; without dividing twice.
-    const double du = drawn.x * is.z - is.x * drawn.z, dv = drawn.y * is.z - is.y * drawn.z;
-    const double unit = most_px / focal_px_ * is.z * drawn.z;
-    return du * du + dv * dv > unit * unit;
-  };
-  if (is_off((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)) return true;
-  // Every fourth first, then every second: what is off is mostly off over an area.
-  for (int step = 4; step >= 1; step /= 2) {
-    for (int row = low_row; row <= high_row; row += step) {
-      for (int column = low_column; column <= high_column; column += step) {
-        const bool was_looked_at = step < 4 && ((column - low_column) | (row - low_row)) % (2 * step) == 0;
-        if (was_looked_at || left_of(a, b, column, row) < 0 || left_of(c, a, column, row) < 0 ||
-            left_of(b, c, column, row) < 0)
-          continue;
-        if (is_off(column, row)) return true;
-      }
-    }
+/// At one triangle.
+class TriangleError::Look {
+ public:
+  Look(const TriangleError& view, const Surface& surface) : view_(view), surface_(surface) {}
+
+  bool exceeds(const std::array<Corner, 3>& triangle) {
+    const auto corner = [&](const Corner& at) {
+      Sample s = sample(at);
+      s.drawn = s.is;
+      return s;
+    };
+    const Sample a = corner(triangle[0]), b = corner(triangle[1]), c = corner(triangle[2]);
+    const Part whole{a, b, c, own_of(triangle[0], triangle[1], triangle[2])};
+    parts_left_ = std::max(kParts, whole.own.span);
+    return is_hopeless(whole) || is_off(whole);
   }
-  return false;
+
+ private:
+  /// In the camera: right, up, and along the view.
+  struct Sample {
+    Corner at{};
+    glm::dvec3 place{0};  ///< geocentric
+    glm::dvec3 is{0};
+    glm::dvec3 drawn{0};
+    glm::dvec2 ray{0};     ///< is⊥ / is.z, if that is above kNearest_m
+    bool is_seen = false;  ///< is in the picture, above the horizon or not
+    double off = 0;        ///< across(drawn − is, ray)
+  };
+  /// What a triangle of the hierarchy is off by.
+  struct Own {
+    double error_m;
+    double chord_m;
+    int span;  ///< cells along its legs, or along its base where that runs along the grid
+  };
+  /// A triangle of the hierarchy: its base, then the right angle.
+  struct Part {
+    const Sample& a;
+    const Sample& b;
+    const Sample& c;
+    Own own;
+  };
+  /// Of the rays to a part's points.
+  struct Rays {
+    double turn;   ///< ω
+    double slant;  ///< s
+    double up;     ///< |up⊥ − t·upz| at the right angle
+    double up_z;
+    double up_turn;  ///< α
+  };
+
+  Sample sample(const Corner& at) const {
+    Sample s;
+    s.at = at;
+    s.place =
+        surface_.errors.positions().at(at[0], at[1], surface_.heights.at(at[0], at[1]) * surface_.quantum_m);
+    s.is = view_.camera_.in_camera(s.place);
+    if (s.is.z > kNearest_m) {
+      s.ray = glm::dvec2(s.is.x, s.is.y) * (1 / s.is.z);
+      s.is_seen = std::abs(s.ray.x) <= view_.half_width_ && std::abs(s.ray.y) <= view_.half_height_;
+    }
+    return s;
+  }
+
+  Own own_of(const Corner& a, const Corner& b, const Corner& c) const {
+    const SquareErrors& errors = surface_.errors;
+    const int columns = std::abs(a[0] - b[0]), rows = std::abs(a[1] - b[1]);
+    const int span = std::max(columns, rows);
+    if (span == 1) return {quarter_of_twist_m(a, b), errors.chord_m(0), 1};
+    const int k = std::countr_zero(static_cast<unsigned>(span));
+    if (columns == rows) {
+      const SquareError& square = errors.at(k, ((a[0] + b[0]) / 2) >> k, ((a[1] + b[1]) / 2) >> k);
+      return {length_m(square.centre), errors.chord_m(k), span};
+    }
+    const unsigned side = rows == 0 ? (a[1] < c[1] ? 0 : 2) : (a[0] > c[0] ? 1 : 3);
+    return {length_m(errors.at(k, c[0] >> k, c[1] >> k).middles[side]), errors.chord_m(k) / 2, span};
+  }
+
+  /// What half a cell is off by from the tile's bilinear surface, where that stands for finer samples.
+  double quarter_of_twist_m(const Corner& a, const Corner& b) const {
+    if (surface_.error_m <= 0) return 0;
+    const auto height_m = [&](int column, int row) {
+      return surface_.heights.at(column, row) * surface_.quantum_m;
+    };
+    return std::abs(height_m(a[0], a[1]) + height_m(b[0], b[1]) - height_m(a[0], b[1]) -
+                    height_m(b[0], a[1])) /
+           4;
+  }
+
+  bool is_off(const Part& part) {
+    const bool is_cell = part.own.span == 1, only_samples = surface_.error_m <= 0;
+    if (is_cell && only_samples) return false;
+    if (--parts_left_ < 0) return true;
+    if ((!only_samples || part.own.span > kSamplesSpan) && (is_within(part) || is_outside(part)))
+      return false;
+    if (is_cell) return true;
+    const Corner &a = part.a.at, &b = part.b.at, &c = part.c.at;
+    Sample middle = sample({(a[0] + b[0]) / 2, (a[1] + b[1]) / 2});
+    middle.drawn = (part.a.drawn + part.b.drawn) / 2.0;
+    middle.off = across(middle.drawn - middle.is, middle.ray);
+    if (is_off(middle)) return true;
+    const Part before{part.c, part.a, middle, own_of(c, a, middle.at)};
+    const Part after{part.b, part.c, middle, own_of(b, c, middle.at)};
+    // What is off is found soonest where more is.
+    return after.own.error_m > before.own.error_m ? is_off(after) || is_off(before)
+                                                  : is_off(before) || is_off(after);
+  }
+
+  bool is_off(const Sample& s) const {
+    if (!s.is_seen) return false;
+    const double tile = surface_.error_m > 0 ? surface_.error_m * across(up_at(s.at), s.ray) : 0;
+    const double allowed = std::max(view_.tolerance_ * s.drawn.z - tile, view_.tolerance_ / 4 * s.drawn.z);
+    return (s.drawn.z < kNearest_m || s.off > allowed) && !view_.horizon_.hides(s.place);
+  }
+
+  glm::dvec3 up_at(const Corner& at) const {
+    const glm::dvec3 up = surface_.errors.positions().up_at(at[0], at[1]);
+    return {glm::dot(up, view_.camera_.right), glm::dot(up, view_.camera_.up),
+            glm::dot(up, view_.camera_.forward)};
+  }
+
+  /// |ρ| at most.
+  double reach_m(const Part& part) const { return part.own.error_m + part.own.chord_m + surface_.error_m; }
+
+  /// Of the part's own points, to which `beyond` is added for what ρ moves them by.
+  Rays rays_to(const Part& part, double beyond, double slant) const {
+    const glm::dvec2 &a = part.a.ray, &b = part.b.ray, &c = part.c.ray;
+    const glm::dvec3 up = up_at(part.c.at);
+    return {length(most(a.x, b.x, c.x) - least(a.x, b.x, c.x), most(a.y, b.y, c.y) - least(a.y, b.y, c.y)) +
+                beyond,
+            slant + beyond, across(up, c), std::abs(up.z), part.own.span * surface_.errors.cell_radians()};
+  }
+
+  static double slant_of(const Part& part) {
+    return std::sqrt(1 + most(glm::dot(part.a.ray, part.a.ray), glm::dot(part.b.ray, part.b.ray),
+                              glm::dot(part.c.ray, part.c.ray)));
+  }
+
+  /// Whether the bound says that no place of the part is off by too much.
+  bool is_within(const Part& part) const {
+    const Sample &a = part.a, &b = part.b, &c = part.c;
+    const double reach = reach_m(part), nearest = least(a.is.z, b.is.z, c.is.z) - reach;
+    if (nearest < kNearest_m || least(a.drawn.z, b.drawn.z, c.drawn.z) < kNearest_m) return false;
+    const double slant = slant_of(part);
+    const Rays rays = rays_to(part, reach * slant / nearest, slant);
+    const double vertical = std::min(rays.slant, rays.up + rays.turn * rays.up_z + rays.up_turn * rays.slant);
+    const auto is_within = [&](double tolerance, double error_m) {
+      const auto over = [&](const Sample& s) {
+        return s.off + rays.turn * std::abs(s.drawn.z - s.is.z) - tolerance * s.drawn.z;
+      };
+      return most(over(a), over(b), over(c)) + error_m * vertical + part.own.chord_m * rays.slant <= 0;
+    };
+    return is_within(view_.tolerance_, part.own.error_m + surface_.error_m) ||
+           (surface_.error_m > 0 && is_within(view_.tolerance_ / 4, part.own.error_m));
+  }
+
+  /// A guess that saves looking: yes where the vertical error of the whole triangle, which some sample has
+  /// (if not the other triangle's at the same base), is too much wherever that is, or where the bound is so
+  /// far above the tolerance that what is looked at rarely turns out well.
+  bool is_hopeless(const Part& whole) const {
+    if (!whole.a.is_seen || !whole.b.is_seen || !whole.c.is_seen) return false;
+    const Rays rays = rays_to(whole, 0, slant_of(whole));
+    const double error = whole.own.error_m, chord = whole.own.chord_m * rays.slant;
+    const double least_vertical = rays.up - rays.turn * rays.up_z - rays.up_turn * rays.slant;
+    return error * least_vertical - chord >
+               view_.tolerance_ * most(whole.a.is.z, whole.b.is.z, whole.c.is.z) ||
+           (rays.up_turn < kWide && error * rays.up + chord > kHopeless * view_.tolerance_ * whole.c.is.z);
+  }
+
+  /// Whether nothing of the part is in the picture, certainly.
+  bool is_outside(const Part& part) const {
+    return is_beside(part) || (part.own.span >= kHorizonSpan && is_below_horizon(part));
+  }
+
+  bool is_beside(const Part& part) const {
+    if (part.a.is_seen || part.b.is_seen || part.c.is_seen) return false;
+    const glm::dvec3 &a = part.a.is, &b = part.b.is, &c = part.c.is;
+    const double reach = reach_m(part), w = view_.half_width_, h = view_.half_height_;
+    const double reach_w = -reach * length(1, w), reach_h = -reach * length(1, h);
+    return most(a.z, b.z, c.z) < -reach || most(a.z * w - a.x, b.z * w - b.x, c.z * w - c.x) < reach_w ||
+           most(a.z * w + a.x, b.z * w + b.x, c.z * w + c.x) < reach_w ||
+           most(a.z * h - a.y, b.z * h - b.y, c.z * h - c.y) < reach_h ||
+           most(a.z * h + a.y, b.z * h + b.y, c.z * h + c.y) < reach_h;
+  }
+
+  bool is_below_horizon(const Part& part) const {
+    const glm::dvec3 middle = (part.a.place + part.b.place) / 2.0;
+    const double radius = std::max(glm::length(part.a.place - middle), glm::length(part.c.place - middle));
+    return view_.horizon_.hides(middle, radius + reach_m(part));
+  }
+
+  const TriangleError& view_;
+  const Surface& surface_;
+  int parts_left_ = 0;
+};
+
+bool TriangleError::exceeds(const Surface& surface, const std::array<Corner, 3>& triangle) const {
+  return Look(*this, surface).exceeds(triangle);
 }
 
 }  // namespace cairn

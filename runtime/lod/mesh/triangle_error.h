@@ -2,37 +2,60 @@
 
 #include <array>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "format/height_tile.h"
-#include "runtime/lod/mesh/grid_positions.h"
+#include "runtime/horizon.h"
+#include "runtime/lod/mesh/square_errors.h"
+#include "runtime/lod_method.h"
 #include "runtime/view_state.h"
 
 namespace cairn {
 
-/// What a flat triangle between samples of a tile is off by on the picture, found by projecting them: the
-/// measure of Screen, where a bound from afar (Allowance) is too careful.
+/// What a flat triangle between samples of a tile is off by on the picture: the measure of Screen, where a
+/// bound from afar (Allowance) is too careful.
+///
+/// The triangle D is held against the finest surface P part by part: T is a triangle of the bisection
+/// hierarchy within it, between samples too. Interpolated along the grid, at any place of T,
+///   D − P = Σ wᵢδᵢ + ρ,  δᵢ = D − P at T's corners,  ρ = v·up + c,
+/// |v| at most T's own vertical error and the tile's, |c| at most T's chord (SquareErrors). With t = P⊥/Pz
+/// along the ray to P, the picture of the place moves by f|(D − P)⊥ − t(D − P)z| / Dz: exactly. Where on T t
+/// differs by ω at most, up by α, and √(1+|t|²) <= s, the move is within the tolerance τ if
+///   max(|δᵢ⊥ − tᵢδᵢz| + ω|δᵢz| − Dᵢz·τ/f) + |v|·min(s, |up⊥ − t·upz| + ω|upz| + αs) + |c|s <= 0,
+/// up and t here those at one corner: what is linear over T, Dz too, is largest at a corner. T itself is seen
+/// within the triangle of its corners' pictures, P |ρ|s/Pz from there at most: ω is that triangle's diameter
+/// and this. Otherwise the sample that bisects T is projected: off by too much, or T's halves are looked at
+/// in turn. ω, α, v and c shrink with T; in the end there are but samples.
 class TriangleError {
  public:
-  explicit TriangleError(const ViewState& view);
+  /// `lowest_m`: of the scene; what the ellipsoid there hides is not in the picture.
+  TriangleError(const LodView& view, double lowest_m);
 
+  struct Surface {
+    const HeightTile& heights;
+    double quantum_m;
+    const SquareErrors& errors;
+    double error_m;  ///< the finest samples are no farther from the heights' bilinear surface, vertically
+  };
   /// (column, row) of the tile's samples.
   using Corner = std::array<int, 2>;
 
-  /// Whether a sample that the triangle covers, its edges included, is in the picture and farther than
-  /// `most_px` from its place on it, or the triangle is there not in front of the eye. A triangle that is far
-  /// away for its size is not looked into: the answer is yes. The vertex that would bisect it is looked at
-  /// first. REQUIRES: anticlockwise corners, the right angle last.
-  bool exceeds(double most_px, const std::array<Corner, 3>& triangle, const HeightTile& heights,
-               double quantum_m, const GridPositions& positions) const;
+  /// No only if every sample that the triangle covers, its edges included, and that is in the picture is
+  /// within the tolerance of its place on it, the triangle in front of the eye there; where the surface has
+  /// an error of its own, every place between the samples too. Where that error alone takes more than three
+  /// quarters of the tolerance, a quarter is allowed all the same. May say yes where it is not so: what takes
+  /// too long to find out. REQUIRES: anticlockwise corners, the right angle last.
+  bool exceeds(const Surface& surface, const std::array<Corner, 3>& triangle) const;
 
  private:
-  glm::dvec3 in_camera(const glm::dvec3& point) const;
+  class Look;
 
   CameraFrame camera_;
-  double focal_px_;
-  double half_width_px_;
-  double half_height_px_;
+  Horizon horizon_;
+  double tolerance_;  ///< here and below at depth 1
+  double half_width_;
+  double half_height_;
 };
 
 }  // namespace cairn

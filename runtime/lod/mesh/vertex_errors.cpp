@@ -76,8 +76,8 @@ std::vector<float> vertex_errors_m(const HeightTile& heights, const TileId& id, 
 }
 
 double chord_of_cell_m(double cell_radians, double highest_m) {
-  return 2 / std::sqrt(3.0) * (kEquatorialRadius + std::max(0.0, highest_m)) * cell_radians * cell_radians /
-         4;
+  constexpr double a = kEquatorialRadius, b = kPolarRadius;
+  return 2 / std::sqrt(3.0) * (a * a / b + std::max(0.0, highest_m)) * cell_radians * cell_radians / 4;
 }
 
 }  // namespace cairn

@@ -16,10 +16,10 @@ std::vector<float> vertex_errors_m(const HeightTile& heights, const TileId& id, 
                                    bool between_samples);
 
 /// How far a flat triangle with legs of one cell along the grid, whose hypotenuse runs across, is from the
-/// curved Earth, at most: |∂²P|ρ²/2, ρ = cell/√2 the radius of its circumcircle and |∂²P| <= 2/√3 (R+h) the
-/// second derivative of the position along any direction of the grid, largest near the poles. It grows with
-/// the square of the legs; a triangle whose hypotenuse runs along the grid and is as long as these legs has
-/// half of it.
+/// curved Earth, at most, where it is level: |∂²P|ρ²/2, ρ = cell/√2 the radius of its circumcircle and
+/// |∂²P| <= 2/√3 (R+h) the second derivative of the position along any direction of the grid, largest near
+/// the poles, where the ellipsoid's radius of curvature, R, is largest too: a²/b. It grows with the square of
+/// the legs; a triangle whose hypotenuse runs along the grid and is as long as these legs has half of it.
 double chord_of_cell_m(double cell_radians, double highest_m);
 
 }  // namespace cairn
