@@ -42,7 +42,7 @@ std::size_t least_memory(int threads, int tile_size, bool with_imagery) {
 
 void keep_freed_memory() {
   ::mallopt(M_MMAP_THRESHOLD, static_cast<int>(4 * kMiB));
-  ::mallopt(M_TRIM_THRESHOLD, static_cast<int>(8 * kMiB));
+  ::mallopt(M_TRIM_THRESHOLD, static_cast<int>(16 * kMiB));
 }
 
 void release_freed_memory() {

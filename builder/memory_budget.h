@@ -16,7 +16,7 @@ MemoryBudget divide_memory(std::size_t memory_bytes, int threads, int tile_size,
 /// The least that a bake can promise to stay under.
 std::size_t least_memory(int threads, int tile_size, bool with_imagery);
 
-/// Makes the process's allocator keep what is freed, up to a few MiB a thread: a tile's images are as large
+/// Makes the process's allocator keep what is freed, up to 16 MiB a thread: a tile's images are as large
 /// as the last one's, and pages from the system cost as much time as filling them.
 void keep_freed_memory();
 

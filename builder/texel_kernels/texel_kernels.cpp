@@ -111,7 +111,41 @@ void interpolate(const WidePixels& image, const double* places, std::size_t widt
   }
 }
 
+#if defined(__AVX512F__)
+// Four places at a time; the last four may be looked at twice. REQUIRES: count >= 4.
+bool all_within_fours(const double* places, std::size_t count, const double* low, const double* high) {
+  const __m512d least = _mm512_broadcast_f64x2(_mm_loadu_pd(low)),
+                most = _mm512_broadcast_f64x2(_mm_loadu_pd(high));
+  __mmask8 above = 0xFF, below = 0xFF;
+  const auto look_at = [&](std::size_t i) __attribute__((always_inline)) {
+    const __m512d four = _mm512_loadu_pd(places + 2 * i);
+    above = _kand_mask8(above, _mm512_cmp_pd_mask(four, least, _CMP_GE_OQ));
+    below = _kand_mask8(below, _mm512_cmp_pd_mask(four, most, _CMP_LE_OQ));
+  };
+  for (std::size_t i = 0; i + 4 <= count; i += 4) look_at(i);
+  look_at(count - 4);
+  return (above & below) == 0xFF;
+}
+#elif defined(__AVX2__)
+bool all_within_fours(const double* places, std::size_t count, const double* low, const double* high) {
+  const __m256d least = _mm256_broadcast_pd(reinterpret_cast<const __m128d*>(low)),
+                most = _mm256_broadcast_pd(reinterpret_cast<const __m128d*>(high));
+  __m256d within = _mm256_cmp_pd(least, least, _CMP_EQ_OQ);
+  const auto look_at = [&](std::size_t i) __attribute__((always_inline)) {
+    const __m256d two = _mm256_loadu_pd(places + 2 * i);
+    within = _mm256_and_pd(
+        within, _mm256_and_pd(_mm256_cmp_pd(two, least, _CMP_GE_OQ), _mm256_cmp_pd(two, most, _CMP_LE_OQ)));
+  };
+  for (std::size_t i = 0; i + 2 <= count; i += 2) look_at(i);
+  look_at(count - 2);
+  return _mm256_movemask_pd(within) == 15;
+}
+#endif
+
 bool all_within(const double* places, std::size_t count, const double* low, const double* high) {
+#if defined(__AVX2__)
+  if (count >= 4) return all_within_fours(places, count, low, high);
+#endif
   const __m128d least = _mm_loadu_pd(low), most = _mm_loadu_pd(high);
   __m128d within = _mm_cmpeq_pd(least, least);
   for (std::size_t i = 0; i < count; ++i) {
