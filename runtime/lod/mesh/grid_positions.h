@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -31,9 +32,6 @@ class GridPositions {
     return {r.cosine * c.cosine, r.cosine * c.sine, r.sine};
   }
 
-  std::uint64_t bytes() const { return columns_.size() * sizeof(Column) + rows_.size() * sizeof(Row); }
-
- private:
   struct Column {
     double cosine, sine;
   };
@@ -42,6 +40,12 @@ class GridPositions {
     double normal;        ///< radius of curvature in the prime vertical, metres
     double polar_normal;  ///< the same times (b/a)²
   };
+  std::span<const Column> columns() const { return columns_; }
+  std::span<const Row> rows() const { return rows_; }
+
+  std::uint64_t bytes() const { return columns_.size() * sizeof(Column) + rows_.size() * sizeof(Row); }
+
+ private:
   std::vector<Column> columns_;
   std::vector<Row> rows_;
 };

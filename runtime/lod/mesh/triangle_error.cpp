@@ -19,19 +19,23 @@ constexpr double kMargin_px = 0.5;
 /// Of two ways to project, each to its own rounding.
 constexpr double kRounding = 1e-6;
 
-/// Parts of so many cells are not worth a bound where their few samples say all.
-constexpr int kSamplesSpan = 2;
+/// Parts of so many cells, on whose samples all depends, are looked at row by row.
+constexpr int kRowsSpan = 4;
 
 /// Smaller parts are not asked whether the horizon hides them.
 constexpr int kHorizonSpan = 4;
 
-/// Parts of a triangle that are looked at before it is given up: as many as it spans cells, if these are
-/// more.
-constexpr int kParts = 64;
+/// Parts of a triangle that are looked at before it is given up: a quarter of the cells that it spans, if
+/// these are more.
+constexpr int kParts = 32;
 
-/// Times the tolerance, beyond which a triangle's bound is believed. With this larger, the mesh has some
+/// Times the tolerance, beyond which a triangle's bound is believed. With these two larger, the mesh has some
 /// hundredths fewer triangles for some tenths more time, smaller the other way round.
-constexpr double kHopeless = 2;
+constexpr double kHopeless = 1.5;
+
+/// Radians. Over triangles that are narrower the vertical and the slant of rays change so little that one of
+/// each does for all parts.
+constexpr double kNarrow = 0.06;
 
 /// Radians. Over triangles that are wider the bound of the Earth's curvature is too coarse to be believed.
 constexpr double kWide = 0.05;
@@ -56,6 +60,7 @@ double most(double a, double b, double c) {
 
 TriangleError::TriangleError(const LodView& view, double lowest_m)
     : camera_(camera_frame(view.view)),
+      sample_camera_(camera_),
       horizon_(camera_.position, Occluder(lowest_m)),
       tolerance_(view.tolerance_px * (1 - kRounding)) {
   const double focal_px =
@@ -78,8 +83,10 @@ class TriangleError::Look {
     };
     const Sample a = corner(triangle[0]), b = corner(triangle[1]), c = corner(triangle[2]);
     const Part whole{a, b, c, own_of(triangle[0], triangle[1], triangle[2])};
-    parts_left_ = std::max(kParts, whole.own.span);
-    return is_hopeless(whole) || is_off(whole);
+    parts_left_ = std::max(kParts, whole.own.span / 4);
+    if (is_hopeless(whole)) return true;
+    look_from_afar(whole);
+    return is_off(whole);
   }
 
  private:
@@ -157,8 +164,9 @@ class TriangleError::Look {
     const bool is_cell = part.own.span == 1, only_samples = surface_.error_m <= 0;
     if (is_cell && only_samples) return false;
     if (--parts_left_ < 0) return true;
-    if ((!only_samples || part.own.span > kSamplesSpan) && (is_within(part) || is_outside(part)))
-      return false;
+    const bool in_rows = only_samples && part.own.span <= kRowsSpan;
+    if (is_within(part) || is_outside(part) || (in_rows && !row_is_off(part))) return false;
+    if (in_rows && !is_hidden(part)) return true;
     if (is_cell) return true;
     const Corner &a = part.a.at, &b = part.b.at, &c = part.c.at;
     Sample middle = sample({(a[0] + b[0]) / 2, (a[1] + b[1]) / 2});
@@ -170,6 +178,30 @@ class TriangleError::Look {
     // What is off is found soonest where more is.
     return after.own.error_m > before.own.error_m ? is_off(after) || is_off(before)
                                                   : is_off(before) || is_off(after);
+  }
+
+  /// Whether the horizon hides a corner.
+  bool is_hidden(const Part& part) const {
+    return view_.horizon_.hides(part.a.place) || view_.horizon_.hides(part.b.place) ||
+           view_.horizon_.hides(part.c.place);
+  }
+
+  /// Of the part's samples, where the horizon hides none.
+  bool row_is_off(const Part& part) const {
+    std::array<SampleRow, kRowsSpan + 1> rows;
+    const Corner &a = part.a.at, &b = part.b.at, &c = part.c.at;
+    // Of (column, row) from the right angle: with the legs p and q, (x, y) = λp + μq.
+    const int px = a[0] - c[0], py = a[1] - c[1], qx = b[0] - c[0], qy = b[1] - c[1];
+    const double area = px * qy - py * qx;
+    const glm::dvec3 p = part.a.drawn - part.c.drawn, q = part.b.drawn - part.c.drawn;
+    DrawnPlane plane;
+    plane.by_column = (p * static_cast<double>(qy) - q * static_cast<double>(py)) / area;
+    plane.by_row = (q * static_cast<double>(px) - p * static_cast<double>(qx)) / area;
+    plane.at =
+        part.c.drawn - static_cast<double>(c[0]) * plane.by_column - static_cast<double>(c[1]) * plane.by_row;
+    return any_is_off(rows_of({a, b, c}, rows), surface_.heights, surface_.quantum_m,
+                      surface_.errors.positions(), view_.sample_camera_, plane,
+                      {view_.half_width_, view_.half_height_, kNearest_m, view_.tolerance_});
   }
 
   bool is_off(const Sample& s) const {
@@ -188,13 +220,34 @@ class TriangleError::Look {
   /// |ρ| at most.
   double reach_m(const Part& part) const { return part.own.error_m + part.own.chord_m + surface_.error_m; }
 
+  /// What all parts of a narrow triangle can share: the vertical at its right angle and the largest slant.
+  void look_from_afar(const Part& whole) {
+    const double reach = reach_m(whole), nearest = least(whole.a.is.z, whole.b.is.z, whole.c.is.z) - reach;
+    up_turn_ = whole.own.span * surface_.errors.cell_radians();
+    is_narrow_ = up_turn_ < kNarrow && reach < nearest * kNarrow;
+    if (!is_narrow_) return;
+    up_ = up_at(whole.c.at);
+    slant_ = slant_of(whole);
+    slant_ += reach * slant_ / nearest;
+    has_horizon_ = is_hidden(whole);
+  }
+
+  /// ω of the part's own points.
+  static double turn_of(const Part& part) {
+    const glm::dvec2 &a = part.a.ray, &b = part.b.ray, &c = part.c.ray;
+    return length(most(a.x, b.x, c.x) - least(a.x, b.x, c.x), most(a.y, b.y, c.y) - least(a.y, b.y, c.y));
+  }
+
   /// Of the part's own points, to which `beyond` is added for what ρ moves them by.
   Rays rays_to(const Part& part, double beyond, double slant) const {
-    const glm::dvec2 &a = part.a.ray, &b = part.b.ray, &c = part.c.ray;
     const glm::dvec3 up = up_at(part.c.at);
-    return {length(most(a.x, b.x, c.x) - least(a.x, b.x, c.x), most(a.y, b.y, c.y) - least(a.y, b.y, c.y)) +
-                beyond,
-            slant + beyond, across(up, c), std::abs(up.z), part.own.span * surface_.errors.cell_radians()};
+    return {turn_of(part) + beyond, slant + beyond, across(up, part.c.ray), std::abs(up.z),
+            part.own.span * surface_.errors.cell_radians()};
+  }
+
+  /// With what a narrow triangle's parts share.
+  Rays narrow_rays_to(const Part& part, double beyond) const {
+    return {turn_of(part) + beyond, slant_, across(up_, part.c.ray), std::abs(up_.z), up_turn_};
   }
 
   static double slant_of(const Part& part) {
@@ -207,8 +260,8 @@ class TriangleError::Look {
     const Sample &a = part.a, &b = part.b, &c = part.c;
     const double reach = reach_m(part), nearest = least(a.is.z, b.is.z, c.is.z) - reach;
     if (nearest < kNearest_m || least(a.drawn.z, b.drawn.z, c.drawn.z) < kNearest_m) return false;
-    const double slant = slant_of(part);
-    const Rays rays = rays_to(part, reach * slant / nearest, slant);
+    const double slant = is_narrow_ ? slant_ : slant_of(part), beyond = reach * slant / nearest;
+    const Rays rays = is_narrow_ ? narrow_rays_to(part, beyond) : rays_to(part, beyond, slant);
     const double vertical = std::min(rays.slant, rays.up + rays.turn * rays.up_z + rays.up_turn * rays.slant);
     const auto is_within = [&](double tolerance, double error_m) {
       const auto over = [&](const Sample& s) {
@@ -235,7 +288,8 @@ class TriangleError::Look {
 
   /// Whether nothing of the part is in the picture, certainly.
   bool is_outside(const Part& part) const {
-    return is_beside(part) || (part.own.span >= kHorizonSpan && is_below_horizon(part));
+    if (is_beside(part)) return true;
+    return part.own.span >= kHorizonSpan && (has_horizon_ || !is_narrow_) && is_below_horizon(part);
   }
 
   bool is_beside(const Part& part) const {
@@ -258,6 +312,12 @@ class TriangleError::Look {
   const TriangleError& view_;
   const Surface& surface_;
   int parts_left_ = 0;
+  // Of the whole triangle.
+  bool is_narrow_ = false;
+  bool has_horizon_ = true;  // it may run behind the horizon
+  glm::dvec3 up_{0};
+  double up_turn_ = 0;
+  double slant_ = 1;
 };
 
 bool TriangleError::exceeds(const Surface& surface, const std::array<Corner, 3>& triangle) const {

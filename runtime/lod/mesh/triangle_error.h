@@ -7,6 +7,7 @@
 
 #include "format/height_tile.h"
 #include "runtime/horizon.h"
+#include "runtime/lod/mesh/sample_rows.h"
 #include "runtime/lod/mesh/square_errors.h"
 #include "runtime/lod_method.h"
 #include "runtime/view_state.h"
@@ -26,7 +27,7 @@ namespace cairn {
 /// up and t here those at one corner: what is linear over T, Dz too, is largest at a corner. T itself is seen
 /// within the triangle of its corners' pictures, P |ρ|s/Pz from there at most: ω is that triangle's diameter
 /// and this. Otherwise the sample that bisects T is projected: off by too much, or T's halves are looked at
-/// in turn. ω, α, v and c shrink with T; in the end there are but samples.
+/// in turn. ω, α, v and c shrink with T; in the end there are but samples, of a few cells all at once.
 class TriangleError {
  public:
   /// `lowest_m`: of the scene; what the ellipsoid there hides is not in the picture.
@@ -52,6 +53,7 @@ class TriangleError {
   class Look;
 
   CameraFrame camera_;
+  SampleCamera sample_camera_;
   Horizon horizon_;
   double tolerance_;  ///< here and below at depth 1
   double half_width_;
