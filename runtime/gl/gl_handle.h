@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <span>
 #include <utility>
 
 #include <epoxy/gl.h>
@@ -57,6 +60,14 @@ inline Buffer make_buffer() {
   GLuint name = 0;
   glCreateBuffers(1, &name);
   return Buffer(name);
+}
+
+/// Gives a buffer a frame's values in place of the last one's.
+template <class T>
+void fill(const Buffer& buffer, std::span<const T> values) {
+  const std::size_t bytes = std::max<std::size_t>(values.size(), 1) * sizeof(T);  // none cannot be bound
+  glNamedBufferData(buffer.name(), static_cast<GLsizeiptr>(bytes), values.empty() ? nullptr : values.data(),
+                    GL_STREAM_DRAW);
 }
 inline Texture make_texture(GLenum target) {
   GLuint name = 0;

@@ -1,22 +1,10 @@
 #include "runtime/gl/grid_batch.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
 namespace cairn::gl {
-namespace {
-
-template <class T>
-void fill(const Buffer& buffer, std::span<const T> values) {
-  const std::size_t bytes = std::max<std::size_t>(values.size(), 1) * sizeof(T);  // none cannot be bound
-  glNamedBufferData(buffer.name(), static_cast<GLsizeiptr>(bytes), values.empty() ? nullptr : values.data(),
-                    GL_STREAM_DRAW);
-}
-
-}  // namespace
-
 GridBatch::GridBatch() {
   const GLuint vao = vertex_array_.name();
   glVertexArrayVertexBuffer(vao, 0, instances_.name(), 0, sizeof(std::uint32_t));

@@ -1,6 +1,5 @@
 #include "runtime/gl/method_batch.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -24,13 +23,6 @@ Vertex vertex_of(const LodVertex& vertex, std::size_t tile, const TileId& area, 
   return {static_cast<std::uint32_t>(tile), glm::vec3(to_geocentric(place, vertex.height_m) - eye),
           glm::vec3(static_cast<double>(vertex.point.x - corner.x) / width,
                     static_cast<double>(vertex.point.y - corner.y) / width, vertex.height_m)};
-}
-
-template <class T>
-void fill(const Buffer& buffer, const T* values, std::size_t count) {
-  const std::size_t bytes = std::max<std::size_t>(count, 1) * sizeof(T);  // none cannot be bound
-  glNamedBufferData(buffer.name(), static_cast<GLsizeiptr>(bytes), count == 0 ? nullptr : values,
-                    GL_STREAM_DRAW);
 }
 
 }  // namespace
@@ -62,9 +54,9 @@ std::size_t MethodBatch::draw(const LodMesh& mesh, const LodScene& scene,
       for (const std::uint32_t corner : triangle) indices.push_back(first + corner);
     }
   }
-  fill(patches_, records.data(), records.size());
-  fill(vertices_, vertices.data(), vertices.size());
-  fill(indices_, indices.data(), indices.size());
+  fill(patches_, records);
+  fill<Vertex>(vertices_, vertices);
+  fill<std::uint32_t>(indices_, indices);
   glBindVertexArray(vertex_array_.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, patches_.name());
   if (calls) {

@@ -1,7 +1,8 @@
 #include "runtime/gl/wall_batch.h"
 
+#include <array>
 #include <cstddef>
-#include <vector>
+#include <cstdint>
 
 namespace cairn::gl {
 namespace {
@@ -9,12 +10,6 @@ namespace {
 // What terrain.vert takes of a vertex.
 static_assert(sizeof(WallVertex) == 24 && sizeof(PerimeterVertex) == 8);
 constexpr GLuint kPatch = 0, kPlace = 2, kWall = 3;
-
-template <class T>
-void fill(const Buffer& buffer, const std::vector<T>& values) {
-  glNamedBufferData(buffer.name(), static_cast<GLsizeiptr>(values.size() * sizeof(T)), values.data(),
-                    GL_STREAM_DRAW);
-}
 
 }  // namespace
 
@@ -33,8 +28,8 @@ WallBatch::WallBatch() {
 
 std::size_t WallBatch::draw(const MeshPlan& plan, bool calls) {
   if (plan.wall_triangles.empty()) return 0;
-  fill(vertices_, plan.wall_vertices);
-  fill(indices_, plan.wall_triangles);
+  fill<WallVertex>(vertices_, plan.wall_vertices);
+  fill<std::array<std::uint32_t, 3>>(indices_, plan.wall_triangles);
   glBindVertexArray(vertex_array_.name());
   if (calls) {
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * plan.wall_triangles.size()), GL_UNSIGNED_INT,
