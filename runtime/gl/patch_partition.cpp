@@ -14,6 +14,7 @@ namespace cairn::gl {
 namespace {
 
 constexpr double kLargestRadius = 6420000;  // of curvature, terrain included
+constexpr double kHighest_m = 9000;         // of walls around what has no heights
 constexpr double kNegligible_m = 0.002;     // of deviation, from wherever it is seen
 
 /// Patches by area: what covers a tile, if that is a patch of its level or a coarser one.
@@ -66,7 +67,7 @@ struct Sphere {
 Sphere sphere_around(const TileId& area, const Relief* relief) {
   const GeoBounds b = tile_bounds(area);
   const double low = relief ? static_cast<double>(relief->low_m) : 0;
-  const double high = relief ? static_cast<double>(relief->high_m) : 0;
+  const double high = relief ? static_cast<double>(relief->high_m) : kHighest_m;
   const glm::dvec3 centre =
       to_geocentric({(b.west + b.east) / 2, std::min((b.south + b.north) / 2, 90.0)}, (low + high) / 2);
   // The way along the surface from the middle to a corner is no shorter than the chord.

@@ -79,9 +79,11 @@ std::vector<const ShownTile*> Renderer::State::load_visible(const RenderList& li
   tiles.begin_frame(list.evicted, shown.tiles());
   std::vector<const ShownTile*> seen;
   for (const ShownTile& each : shown.tiles()) {
-    if (!each.tile.visible) continue;
+    // Where there are no heights, what ends there may be seen though the ground is not: its walls are drawn
+    // with it.
+    if (!each.tile.visible && each.tile.heights) continue;
     tiles.heights_of(each.tile);
-    tiles.imagery_of(each.tile);
+    if (each.tile.visible) tiles.imagery_of(each.tile);
     seen.push_back(&each);
   }
   return seen;

@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "runtime/geodesy.h"
 #include "tests/gl/stage.h"
 #include "tests/gl/test_packs.h"
 #include "tests/test_data.h"
@@ -83,6 +84,23 @@ TEST_CASE("no random camera that looks down sees a hole in generated ridges") {
       const GeoBounds near{place.lon - apart, place.lat - apart, place.lon + apart, place.lat + apart};
       CHECK(cameras_with_holes(stage, near, 25, static_cast<unsigned>(pack)) == 0);
     }
+  }
+}
+
+TEST_CASE("a source's end is a wall, though the ground before it is below the picture") {
+  const TempDir dir;
+  const auto pack = dir.path() / "a.cairn";
+  if (!bake_real_pack(pack, {"geotiff/N46E008.tif"})) return;
+  Stage stage(pack);
+  const ViewState view = view_at({9.05, 46.5}, 1500, 270, 10);
+  stage.scene().load_all(view);
+  stage.draw(view);
+  const std::vector<float> depth = stage.target().read_depth();
+  for (int x = 0; x < 160; ++x) {
+    const auto at = static_cast<double>(depth[static_cast<std::size_t>(119 * 160 + x)]);
+    REQUIRE(at > 0);
+    const Geodetic shown = to_geodetic(shown_at(view, x + 0.5, 119.5, at));
+    CHECK(shown.place.lon == Approx(9).margin(0.001));  // the source ends half a post beyond
   }
 }
 
