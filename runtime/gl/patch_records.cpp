@@ -41,6 +41,7 @@ void show_heights(const ShownTile& shown, const GridPatch& grid, ResidentTiles& 
 
 void show_imagery(const RenderTile& tile, const GridPatch& grid, ResidentTiles& resident,
                   PatchRecord& record) {
+  if (!tile.visible) return;  // there for its walls: not worth an upload
   const auto place = resident.imagery_of(tile);
   if (!place) return;
   const Window window = window_in(tile.imagery_id, grid.area);
