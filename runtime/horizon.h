@@ -17,12 +17,12 @@ class Horizon {
  public:
   /// `eye`: geocentric metres, like all that is asked about below.
   Horizon(const glm::dvec3& eye, const Occluder& occluder)
-      : radii_(occluder.radii),
-        eye_(eye / occluder.radii),
+      : per_radius_(1.0 / occluder.radii),
+        eye_(eye * per_radius_),
         distance_(glm::length(eye_)),
         square_(glm::dot(eye_, eye_) - 1) {}
 
-  bool hides(const glm::dvec3& point) const { return hides_scaled(point / radii_); }
+  bool hides(const glm::dvec3& point) const { return hides_scaled(point * per_radius_); }
 
   /// All of the tile; never says yes where some of it is seen.
   bool hides(const BoundingVolume& volume) const {
@@ -33,8 +33,8 @@ class Horizon {
   /// seen.
   bool hides(const glm::dvec3& centre, double radius_m) const {
     if (square_ <= 0) return false;
-    const double radius = radius_m / radii_.z;
-    const glm::dvec3 to = centre / radii_ - eye_;
+    const double radius = radius_m * per_radius_.z;
+    const glm::dvec3 to = centre * per_radius_ - eye_;
     const double along = -glm::dot(to, eye_) / distance_;
     if (along * distance_ < square_ + radius * distance_) return false;
     const double across = std::sqrt(std::max(0.0, glm::dot(to, to) - along * along));
@@ -49,10 +49,10 @@ class Horizon {
     return behind > square_ && behind * behind > square_ * glm::dot(to, to);
   }
 
-  glm::dvec3 radii_;  ///< the third is the least
-  glm::dvec3 eye_;    ///< where the occluder is the unit sphere
-  double distance_;   ///< of the eye there
-  double square_;     ///< of the distance from there to the horizon; <= 0 inside
+  glm::dvec3 per_radius_;  ///< the third is the largest
+  glm::dvec3 eye_;         ///< where the occluder is the unit sphere
+  double distance_;        ///< of the eye there
+  double square_;          ///< of the distance from there to the horizon; <= 0 inside
 };
 
 }  // namespace cairn
