@@ -8,8 +8,10 @@
 // largest error within a square only says where not to look.
 //
 // A bound over a square asks for too much: of a triangle it takes the worst sample to be at the worst place,
-// and the Earth's curvature to be seen from the side. So a triangle is looked into before it is bisected,
-// part by part, down to its samples where need be (TriangleError).
+// and the Earth's curvature to be seen from the side. So a triangle is looked into before it is bisected: in
+// ten parts, of each of which is known where its samples lie above and below the triangle (PartRanges), and
+// sample by sample where it is small or few of its parts are in doubt (TriangleError). Squares are bounded
+// only as the mesh comes to have triangles in them.
 //
 // A vertical error is seen under the angle between the ray and the vertical: looking down it hardly shows
 // (Allowance).
@@ -29,11 +31,13 @@
 #include <array>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 
 #include "runtime/lod/mesh/allowance.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/conform.h"
 #include "runtime/lod/mesh/cpu_clock.h"
+#include "runtime/lod/mesh/part_ranges.h"
 #include "runtime/lod/mesh/prepared_tiles.h"
 #include "runtime/lod/mesh/square_errors.h"
 #include "runtime/lod/mesh/tile_culling.h"
@@ -43,12 +47,23 @@
 namespace cairn {
 namespace {
 
+/// What is known of a tile.
+struct Known {
+  Known(const LodScene& scene, const LodTile& tile, bool between_samples)
+      : errors(scene, tile, between_samples),
+        ranges(*tile.heights, tile.source, scene.quantum_m, between_samples) {}
+  std::uint64_t bytes() const { return errors.bytes() + ranges.bytes(); }
+
+  SquareErrors errors;
+  PartRanges ranges;
+};
+
 /// Says what one tile's squares ask for.
 class Selection {
  public:
-  Selection(const SquareErrors& errors, const LodTile& tile, std::size_t number, const TileWindow& window,
+  Selection(const Known& known, const LodTile& tile, std::size_t number, const TileWindow& window,
             const Allowance& allowance, bool cull, BisectionForest& forest)
-      : errors_(errors),
+      : errors_(known.errors),
         tile_(tile),
         number_(number),
         column_(window.column()),
@@ -57,9 +72,29 @@ class Selection {
         cull_(cull),
         forest_(forest) {}
 
-  void run() {
-    const int k = forest_.levels(number_);
-    if (k > 0) look(k, column_ >> k, row_ >> k);
+  /// Of a square of the window: wants what it wants. True if that settles all within it, too.
+  bool select(int k, int x, int y) const {
+    x += column_ >> k, y += row_ >> k;
+    const SquareSphere sphere = errors_.sphere(k, x, y);
+    if (cull_ && !allowance_.sees(sphere)) return true;
+    const int middle = 1 << (k - 1);
+    const Allowance::Scale scale =
+        allowance_.scale_of(sphere, errors_.positions().up_at((x << k) + middle, (y << k) + middle));
+    const Allowance::Room room = allowance_.room_of(scale);
+    const bool alone = k > SquareErrors::kSphereLevel && !scale.is_small;
+    Limits limits;
+    for (int j = k; j >= (alone ? k : 1); --j) {
+      const auto i = static_cast<std::size_t>(j);
+      limits.centre[i] = limit(room, errors_.chord_m(j));
+      limits.middle[i] = limit(room, errors_.chord_m(j) / 2);
+    }
+    if (!alone) {
+      want_within(k, x, y, limits);
+      return true;
+    }
+    if (errors_.at(k, x, y).below <= limits.centre[static_cast<std::size_t>(k)]) return true;
+    want(k, x, y, limits);
+    return false;
   }
 
  private:
@@ -68,38 +103,17 @@ class Selection {
     std::array<int, 16> middle;
   };
 
-  // A square that is looked at for itself: (x, y) of its tile.
-  void look(int k, int x, int y) {
-    const SquareSphere& sphere = errors_.sphere(k, x, y);
-    if (cull_ && !allowance_.sees(sphere)) return;
-    const Allowance::Scale scale = allowance_.scale_of(sphere);
-    const bool alone = k > SquareErrors::kSphereLevel && !scale.is_small;
-    Limits limits;
-    for (int j = k; j >= (alone ? k : 1); --j) {
-      const auto i = static_cast<std::size_t>(j);
-      limits.centre[i] = limit(scale, errors_.chord_m(j));
-      limits.middle[i] = limit(scale, errors_.chord_m(j) / 2);
-    }
-    if (!alone) {
-      want_within(k, x, y, limits);
-      return;
-    }
-    if (errors_.at(k, x, y).below <= limits.centre[static_cast<std::size_t>(k)]) return;
-    want(k, x, y, limits);
-    for (int q = 0; q < 4; ++q) look(k - 1, 2 * x + (q & 1), 2 * y + (q >> 1));
+  int limit(const Allowance::Room& room, double chord_m) const {
+    return round_down(static_cast<float>(Allowance::error_m(room, tile_.error_m, chord_m)));
   }
 
-  int limit(const Allowance::Scale& scale, double chord_m) const {
-    return round_down(static_cast<float>(allowance_.error_m(scale, tile_.error_m, chord_m)));
-  }
-
-  void want_within(int k, int x, int y, const Limits& limits) {
+  void want_within(int k, int x, int y, const Limits& limits) const {
     if (errors_.at(k, x, y).below <= limits.centre[static_cast<std::size_t>(k)]) return;
     want(k, x, y, limits);
     for (int q = 0; k > 1 && q < 4; ++q) want_within(k - 1, 2 * x + (q & 1), 2 * y + (q >> 1), limits);
   }
 
-  void want(int k, int x, int y, const Limits& limits) {
+  void want(int k, int x, int y, const Limits& limits) const {
     const SquareError& square = errors_.at(k, x, y);
     const int column = x - (column_ >> k), row = y - (row_ >> k);
     if (square.centre > limits.centre[static_cast<std::size_t>(k)])
@@ -123,25 +137,23 @@ class Selection {
 class Cairn : public LodMethod {
  public:
   void prepare(const LodScene& scene) override {
-    errors_.prepare(scene);
+    known_.prepare(scene);
     forest_.prepare(scene);
+    tiles_.clear();
+    for (const LodTile& tile : scene.tiles) tiles_.push_back({&known_.of(tile), TileWindow(scene, tile)});
   }
-  std::uint64_t prepared_bytes() const override { return errors_.bytes() + forest_.bytes(); }
+  std::uint64_t prepared_bytes() const override { return known_.bytes() + forest_.bytes(); }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
     const double start = thread_cpu_s();
     const Allowance allowance(view, scene.lowest_m);
     const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
     forest_.begin();
-    for (const std::size_t i : drawn) {
-      const LodTile& tile = scene.tiles[i];
-      Selection(errors_.of(tile), tile, i, TileWindow(scene, tile), allowance, view.cull, forest_).run();
-    }
-    bisect_what_is_off(scene, view);
+    bisect(scene, view, allowance, drawn);
     const double selected = thread_cpu_s();
     LodMesh mesh;
     for (const std::size_t i : drawn) append(scene, view, allowance, i, mesh);
-    conform(scene, mesh);
+    conform(scene, forest_.meet_finer(), mesh);
     mesh.count(IndexForm::list, {3 * mesh.triangle_count(), mesh.tiles.size()});
     mesh.selection_s = selected - start;
     mesh.building_s = thread_cpu_s() - selected;
@@ -149,22 +161,31 @@ class Cairn : public LodMethod {
   }
 
  private:
-  void bisect_what_is_off(const LodScene& scene, const LodView& view) {
+  void bisect(const LodScene& scene, const LodView& view, const Allowance& allowance,
+              const std::vector<std::size_t>& drawn) {
+    std::vector<std::optional<Selection>> selections(scene.tiles.size());
+    for (const std::size_t i : drawn) {
+      selections[i].emplace(*tiles_[i].known, scene.tiles[i], i, tiles_[i].window, allowance, view.cull,
+                            forest_);
+    }
+    const auto select = [&](std::size_t i, int k, int x, int y) {
+      return !selections[i] || selections[i]->select(k, x, y);
+    };
     const TriangleError error(view, scene.lowest_m);
-    forest_.settle([&](std::size_t i, const BisectionForest::Triangle& triangle) {
+    forest_.settle(select, [&](std::size_t i, const BisectionForest::Triangle& triangle) {
       const LodTile& tile = scene.tiles[i];
-      const TileWindow window(scene, tile);
+      const auto& [known, window] = tiles_[i];
       BisectionForest::Triangle samples = triangle;
       for (auto& [column, row] : samples) column += window.column(), row += window.row();
-      return error.exceeds({*tile.heights, scene.quantum_m, errors_.of(tile), tile.error_m}, samples);
+      return error.exceeds({*tile.heights, scene.quantum_m, known->errors, known->ranges, tile.error_m},
+                           samples);
     });
   }
 
   void append(const LodScene& scene, const LodView& view, const Allowance& allowance, std::size_t i,
               LodMesh& mesh) {
-    const LodTile& tile = scene.tiles[i];
-    const SquareErrors& errors = errors_.of(tile);
-    const TileWindow window(scene, tile);
+    const SquareErrors& errors = tiles_[i].known->errors;
+    const TileWindow& window = tiles_[i].window;
     forest_.append(
         scene, i, view.cull ? SquareErrors::kSphereLevel : BisectionForest::kNeverCull,
         [&](int k, int x, int y) {
@@ -173,7 +194,14 @@ class Cairn : public LodMethod {
         mesh);
   }
 
-  PreparedTiles<SquareErrors> errors_;
+  /// Of a tile of the scene, by its number there.
+  struct Tile {
+    const Known* known;
+    TileWindow window;
+  };
+
+  PreparedTiles<Known> known_;
+  std::vector<Tile> tiles_;
   BisectionForest forest_;
 };
 

@@ -171,7 +171,7 @@ class Rqt : public LodMethod {
     for (const std::size_t i : drawn)
       forest_.append(
           scene, i, BisectionForest::kNeverCull, [](int, int, int) { return true; }, mesh);
-    conform(scene, mesh);
+    conform(scene, forest_.meet_finer(), mesh);
     mesh.count(IndexForm::list, {3 * mesh.triangle_count(), mesh.tiles.size()});
     mesh.selection_s = selected - start;
     mesh.building_s = thread_cpu_s() - selected;

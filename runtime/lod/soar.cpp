@@ -233,7 +233,7 @@ class Soar : public LodMethod {
     const double selected = thread_cpu_s();
     LodMesh mesh;
     for (const std::size_t i : drawn) append(scene, i, mesh);
-    conform(scene, mesh);
+    conform(scene, forest_.meet_finer(), mesh);
     mesh.count(IndexForm::list, {3 * mesh.triangle_count(), mesh.tiles.size()});
     mesh.selection_s = selected - start;
     mesh.building_s = thread_cpu_s() - selected;

@@ -29,7 +29,7 @@ glm::dvec3 up_at(const glm::dvec3& point) {
 
 /// A sphere is small where its radius is at most this share of its depth: what is asked for its nearest point
 /// is a thirtieth more than for its middle, then.
-constexpr double kSmall = 1.0 / 64;
+constexpr double kSmall = 1.0 / 32;
 
 }  // namespace
 
@@ -51,12 +51,15 @@ Allowance::Allowance(const LodView& view, double lowest_m)
 }
 
 Allowance::Scale Allowance::scale_of(const SquareSphere& sphere) const {
+  return scale_of(sphere, up_at(sphere.centre));
+}
+
+Allowance::Scale Allowance::scale_of(const SquareSphere& sphere, const glm::dvec3& up) const {
   const glm::dvec3 to = sphere.centre - eye_;
   const double distance = glm::length(to), radius = sphere.radius_m, far = distance + radius;
   Scale scale;
   scale.depth_m = std::max(glm::dot(to, forward_) - radius, (distance - radius) * corner_cosine_);
   if (scale.depth_m <= 0) return scale;
-  const glm::dvec3 up = up_at(sphere.centre);
   const double z = glm::dot(to, forward_), up_z = glm::dot(up, forward_);
   const glm::dvec2 across{z * glm::dot(up, right_) - glm::dot(to, right_) * up_z,
                           z * glm::dot(up, up_) - glm::dot(to, up_) * up_z};
@@ -72,11 +75,10 @@ Allowance::Scale Allowance::scale_from(double distance_m) const {
   return {distance_m * corner_cosine_, px, px, false};
 }
 
-double Allowance::error_m(const Scale& scale, double tile_m, double chord_m) const {
-  if (scale.depth_m <= 0) return -1;
-  const double room = (tolerance_px_ * scale.depth_m - chord_m * (scale.any_px + tolerance_px_)) /
-                      (scale.vertical_px + tolerance_px_);
-  return std::max(room - tile_m, room / 4);
+Allowance::Room Allowance::room_of(const Scale& scale) const {
+  if (scale.depth_m <= 0) return {-1, 0};
+  const double per_px = 1 / (scale.vertical_px + tolerance_px_);
+  return {tolerance_px_ * scale.depth_m * per_px, (scale.any_px + tolerance_px_) * per_px};
 }
 
 bool Allowance::sees(const SquareSphere& sphere) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include <glm/vec3.hpp>
@@ -30,7 +31,8 @@ class Allowance {
     double any_px = 0;       ///< of one in any direction
     bool is_small = false;   ///< this hardly changes over the part
   };
-  /// Of what is in the picture of a sphere.
+  /// Of what is in the picture of a sphere; `up` is the ellipsoid's normal at its middle.
+  Scale scale_of(const SquareSphere& sphere, const glm::dvec3& up) const;
   Scale scale_of(const SquareSphere& sphere) const;
   /// Of what is in the picture and at least this far away.
   Scale scale_from(double distance_m) const;
@@ -40,7 +42,19 @@ class Allowance {
 
   /// The largest e, in metres; negative: none. Where the tile's error alone takes more than three quarters of
   /// the tolerance, a quarter is allowed all the same.
-  double error_m(const Scale& scale, double tile_m, double chord_m) const;
+  double error_m(const Scale& scale, double tile_m, double chord_m) const {
+    return error_m(room_of(scale), tile_m, chord_m);
+  }
+  /// The same for many chords: e and g take up this less so much times c.
+  struct Room {
+    double all_m;
+    double per_chord;
+  };
+  Room room_of(const Scale& scale) const;
+  static double error_m(const Room& room, double tile_m, double chord_m) {
+    const double left = room.all_m - chord_m * room.per_chord;
+    return std::max(left - tile_m, left / 4);
+  }
 
   /// Whether a part of the sphere may be in the picture and above the horizon.
   bool sees(const SquareSphere& sphere) const;

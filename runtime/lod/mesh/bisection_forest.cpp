@@ -55,6 +55,7 @@ void BisectionForest::prepare(const LodScene& scene) {
 }
 
 void BisectionForest::find_neighbours(const LodScene& scene) {
+  meet_finer_.assign(trees_.size(), 0);
   std::array<std::unordered_map<std::int64_t, std::vector<std::size_t>>, 4> on_line;
   for (std::size_t i = 0; i < trees_.size(); ++i) {
     for (unsigned side = 0; side < 4; ++side)
@@ -67,8 +68,9 @@ void BisectionForest::find_neighbours(const LodScene& scene) {
       if (others == on_line[opposite(side)].end()) continue;
       for (const std::size_t other : others->second) {
         const SideOf beyond = side_of(scene.tiles[other].area, opposite(side));
-        if (beyond.low < own.high && own.low < beyond.high)
-          trees_[i].beside[side].push_back({other, beyond.low, beyond.high});
+        if (beyond.low >= own.high || own.low >= beyond.high) continue;
+        trees_[i].beside[side].push_back({other, beyond.low, beyond.high});
+        if (trees_[other].spacing < trees_[i].spacing) meet_finer_[i] = 1;
       }
     }
   }
@@ -91,18 +93,13 @@ void BisectionForest::begin() {
         tree.finest > 1 ? tree.first[static_cast<std::size_t>(tree.finest) - 1] : tree.masks.size();
     std::fill_n(tree.masks.begin(), end, Mask{0});
     tree.finest = kUntouched;
+    tree.vertices = 0;
   }
   open_.clear();
-  any_wanted_ = false;
 }
 
 void BisectionForest::join_corners() {
-  for (std::size_t i = 0; i < trees_.size(); ++i) {
-    enable_corners_of_neighbours(i);
-    const Tree& tree = trees_[i];
-    if (tree.levels > 0 && (tree.masks.front() & kCentre << kWanted) != 0)
-      enable_centre(i, tree.levels, 0, 0);
-  }
+  for (std::size_t i = 0; i < trees_.size(); ++i) enable_corners_of_neighbours(i);
 }
 
 void BisectionForest::enable_corners_of_neighbours(std::size_t tile) {
@@ -144,6 +141,7 @@ void BisectionForest::enable_centre(std::size_t tile, int k, int x, int y) {
   Mask& mask = tree.masks[slot(tree, k, x, y)];
   if ((mask & kCentre) != 0) return;
   mask |= kCentre;
+  ++tree.vertices;
   tree.finest = std::min(tree.finest, k);
   open({tile, k, x, y, kCentre});
   if (k == tree.levels) return;
@@ -156,6 +154,7 @@ void BisectionForest::enable_middle(std::size_t tile, int k, int x, int y, Side 
   Mask& mask = tree.masks[slot(tree, k, x, y)];
   if ((mask & bit_of(side)) != 0) return;
   mask |= bit_of(side);
+  ++tree.vertices;
   if (k > 1) open({tile, k, x, y, bit_of(side)});
   enable_centre(tile, k, x, y);
   const int bx = x + (side == east ? 1 : side == west ? -1 : 0);

@@ -35,6 +35,9 @@ class BisectionForest {
 
   int levels(std::size_t tile) const { return trees_[tile].levels; }  ///< log2 of the window's cells
 
+  /// Tiles beside which others have samples closer together, and so vertices that these lack: by number.
+  const std::vector<char>& meet_finer() const { return meet_finer_; }
+
   /// Begins a mesh: no vertices but each tile's own corners, none wanted.
   void begin();
   /// Adds the vertex and all that it needs, in other tiles too. REQUIRES: 1 <= k <= levels(tile).
@@ -47,13 +50,14 @@ class BisectionForest {
   void want_centre(std::size_t tile, int k, int x, int y) { want(tile, k, x, y, kCentre); }
   void want_middle(std::size_t tile, int k, int x, int y, Side side) { want(tile, k, x, y, bit_of(side)); }
   /// Ends a mesh: adds the corners that tiles have on their neighbours' borders, as far as these have samples
-  /// there, then what is wanted of the mesh's triangles until none wants to be bisected. `confirms(tile,
-  /// triangle)` is asked first, once for each triangle that the mesh comes to have.
-  template <class Confirms>
-  void settle(const Confirms& confirms);
-  void settle() {
-    settle([](std::size_t, const Triangle&) { return true; });
-  }
+  /// there, then what is wanted of the mesh's triangles until none wants to be bisected. `select(tile, k, x,
+  /// y)` is asked once for each square that the mesh comes to have triangles in, the larger ones first: it
+  /// wants what it wants of the square and, if it says true, of all within, which are not asked for then.
+  /// `confirms(tile, triangle)` is asked last, once for each triangle that wants to be bisected.
+  template <class Select, class Confirms>
+  void settle(const Select& select, const Confirms& confirms);
+  /// The same with nothing wanted.
+  void settle() { join_corners(); }
 
   /// Whether the sample (c, r) of the window is a vertex. REQUIRES: it is not one of its corners.
   bool has(std::size_t tile, int c, int r) const;
@@ -68,6 +72,8 @@ class BisectionForest {
   using Mask = std::uint16_t;
   static constexpr Mask kCentre = 1;
   static constexpr Mask bit_of(unsigned side) { return static_cast<Mask>(2u << side); }
+  static constexpr Mask kSelected = 1 << 6;     ///< the square's vertices are wanted, or not
+  static constexpr Mask kAllSelected = 1 << 7;  ///< those within it, too
   static constexpr int kWanted = 8;
   static constexpr int kUntouched = 16;
 
@@ -83,7 +89,8 @@ class BisectionForest {
     std::array<std::size_t, 16> first{};  ///< in masks, of each level's squares
     std::vector<Mask> masks;
     std::array<std::vector<Beside>, 4> beside;
-    int finest = kUntouched;  ///< of the levels whose masks are not all 0
+    int finest = kUntouched;   ///< of the levels whose masks are not all 0
+    std::size_t vertices = 0;  ///< that are enabled
   };
   /// A vertex of a square, whose triangles may want to be bisected.
   struct Open {
@@ -104,38 +111,65 @@ class BisectionForest {
     Tree& tree = trees_[tile];
     tree.masks[slot(tree, k, x, y)] |= static_cast<Mask>(vertex << kWanted);
     tree.finest = std::min(tree.finest, k);
-    any_wanted_ = true;
   }
   void open(const Open& square) {
-    if (any_wanted_) open_.push_back(square);
+    if (opens_) open_.push_back(square);
   }
   void join_corners();
-  template <class Confirms>
-  void bisect_at_edges(const Open& centre, const Confirms& confirms);
-  template <class Confirms>
-  void bisect_beside(const Open& middle, const Confirms& confirms);
+  template <class Select>
+  void select_once(std::size_t tile, int k, int x, int y, const Select& select);
+  template <class Select, class Confirms>
+  void bisect_at_edges(const Open& centre, const Select& select, const Confirms& confirms);
+  template <class Select, class Confirms>
+  void bisect_beside(const Open& middle, const Select& select, const Confirms& confirms);
   void enable_beyond(const Tree& tree, int k, int x, int y, Side side);
   void enable_corners_of_neighbours(std::size_t tile);
 
   std::vector<Tree> trees_;
+  std::vector<char> meet_finer_;
   std::vector<Open> open_;
-  bool any_wanted_ = false;
+  bool opens_ = false;
   std::vector<std::uint32_t> numbers_;  ///< of the vertices of the tile that is being appended
   std::vector<std::size_t> numbered_;
 };
 
-template <class Confirms>
-void BisectionForest::settle(const Confirms& confirms) {
+template <class Select, class Confirms>
+void BisectionForest::settle(const Select& select, const Confirms& confirms) {
+  opens_ = true;
   join_corners();
+  for (std::size_t i = 0; i < trees_.size(); ++i) {
+    const int levels = trees_[i].levels;
+    if (levels == 0) continue;
+    select_once(i, levels, 0, 0, select);
+    if ((trees_[i].masks.front() & kCentre << kWanted) != 0) enable_centre(i, levels, 0, 0);
+  }
   while (!open_.empty()) {
     const Open next = open_.back();
     open_.pop_back();
     if (next.vertex == kCentre) {
-      bisect_at_edges(next, confirms);
+      bisect_at_edges(next, select, confirms);
     } else {
-      bisect_beside(next, confirms);
+      bisect_beside(next, select, confirms);
     }
   }
+  opens_ = false;
+}
+
+template <class Select>
+void BisectionForest::select_once(std::size_t tile, int k, int x, int y, const Select& select) {
+  Tree& tree = trees_[tile];
+  Mask& mask = tree.masks[slot(tree, k, x, y)];
+  if ((mask & kSelected) != 0) return;
+  tree.finest = std::min(tree.finest, k);
+  mask |= kSelected;
+  if (k < tree.levels) {
+    select_once(tile, k + 1, x / 2, y / 2, select);
+    if ((tree.masks[slot(tree, k + 1, x / 2, y / 2)] & kAllSelected) != 0) {
+      mask |= kAllSelected;
+      return;
+    }
+  }
+  if (select(tile, k, x, y)) mask |= kAllSelected;
 }
 
 inline std::array<BisectionForest::Corner, 4> corners_of(int k, int x, int y) {
@@ -148,9 +182,10 @@ inline BisectionForest::Corner middle_of(const BisectionForest::Corner& a, const
 }
 
 // A square with its centre has a triangle at each edge without a middle.
-template <class Confirms>
-void BisectionForest::bisect_at_edges(const Open& centre, const Confirms& confirms) {
+template <class Select, class Confirms>
+void BisectionForest::bisect_at_edges(const Open& centre, const Select& select, const Confirms& confirms) {
   const auto [tile, k, x, y, vertex] = centre;
+  select_once(tile, k, x, y, select);
   const std::size_t at = slot(trees_[tile], k, x, y);
   const std::array<Corner, 4> corners = corners_of(k, x, y);
   const Corner middle = middle_of(corners[0], corners[2]);
@@ -163,8 +198,8 @@ void BisectionForest::bisect_at_edges(const Open& centre, const Confirms& confir
 }
 
 // With a middle, there is a triangle on both sides of it: half of a smaller square, unless that has a centre.
-template <class Confirms>
-void BisectionForest::bisect_beside(const Open& middle, const Confirms& confirms) {
+template <class Select, class Confirms>
+void BisectionForest::bisect_beside(const Open& middle, const Select& select, const Confirms& confirms) {
   const auto [tile, k, x, y, vertex] = middle;
   const auto side = static_cast<unsigned>(std::countr_zero(vertex)) - 1;
   const std::array<Corner, 4> corners = corners_of(k, x, y);
@@ -172,6 +207,7 @@ void BisectionForest::bisect_beside(const Open& middle, const Confirms& confirms
   const Corner at = middle_of(corners[side], corners[(side + 1) % 4]);
   for (const unsigned q : {side, (side + 1) % 4}) {
     const int cx = 2 * x + (q == 1 || q == 2 ? 1 : 0), cy = 2 * y + (q >= 2 ? 1 : 0);
+    select_once(tile, k - 1, cx, cy, select);
     const Mask mask = trees_[tile].masks[slot(trees_[tile], k - 1, cx, cy)];
     if ((mask >> kWanted & ~mask & kCentre) == 0) continue;
     const Triangle half = q == side ? Triangle{centre, corners[q], at} : Triangle{corners[q], centre, at};
@@ -271,6 +307,8 @@ void BisectionForest::append(const LodScene& scene, std::size_t tile, int cull_l
   LodTileMesh out{tile, {}, {}};
   Emitter emitter(*this, window, tree, out);
   const int n = window.cells();
+  out.vertices.reserve(tree.vertices + 4);
+  out.triangles.reserve(2 * tree.vertices + 2);
   const std::array<std::uint32_t, 4> corners{emitter.shared(0, 0), emitter.shared(n, 0), emitter.shared(n, n),
                                              emitter.shared(0, n)};
   if (tree.levels > 0 && (tree.masks[slot(tree, tree.levels, 0, 0)] & kCentre) != 0) {

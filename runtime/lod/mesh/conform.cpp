@@ -148,10 +148,16 @@ bool has_voids(const LodScene& scene) {
 }  // namespace
 
 void conform(const LodScene& scene, LodMesh& mesh) {
+  conform(scene, std::vector<char>(scene.tiles.size(), 1), mesh);
+}
+
+void conform(const LodScene& scene, std::span<const char> lacking, LodMesh& mesh) {
   if (has_voids(scene)) settle_heights(scene, mesh);
+  const auto lacks = [&](const LodTileMesh& tile) { return lacking[tile.tile] != 0; };
+  if (std::none_of(mesh.tiles.begin(), mesh.tiles.end(), lacks)) return;
   const BorderVertices borders(scene, mesh);
   for (LodTileMesh& tile : mesh.tiles) {
-    Splitter(Area(scene.tiles[tile.tile].area), borders, tile).split_all();
+    if (lacks(tile)) Splitter(Area(scene.tiles[tile.tile].area), borders, tile).split_all();
   }
 }
 

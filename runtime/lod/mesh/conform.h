@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "runtime/lod_method.h"
 
 namespace cairn {
@@ -15,5 +17,7 @@ namespace cairn {
 /// the parts are within 2(δ+g) of it: a method that promises a tolerance keeps triangles on borders between
 /// different levels within half of it, or has the vertices of both sides itself.
 void conform(const LodScene& scene, LodMesh& mesh);
+/// The same where only the tiles that are not 0 here, by number, lack vertices of their neighbours.
+void conform(const LodScene& scene, std::span<const char> lacking, LodMesh& mesh);
 
 }  // namespace cairn

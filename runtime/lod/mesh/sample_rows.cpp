@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
+#include <limits>
 
 #include <glm/geometric.hpp>
 
@@ -15,28 +16,26 @@ SampleCamera::SampleCamera(const CameraFrame& frame)
       forward(frame.forward),
       eye(glm::dot(frame.position, right), glm::dot(frame.position, up), glm::dot(frame.position, forward)) {}
 
-std::span<const SampleRow> rows_of(const std::array<std::array<int, 2>, 3>& triangle,
-                                   std::span<SampleRow> rows) {
-  const auto [south, north] = std::minmax({triangle[0][1], triangle[1][1], triangle[2][1]});
+std::span<const SampleRow> rows_of(std::span<const std::array<int, 2>> corners, std::span<SampleRow> rows) {
+  int south = corners[0][1], north = south;
+  for (const auto& [column, row] : corners) south = std::min(south, row), north = std::max(north, row);
   const auto count = static_cast<std::size_t>(north - south) + 1;
   assert(count <= rows.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    const int row = south + static_cast<int>(i);
-    int first = std::max({triangle[0][0], triangle[1][0], triangle[2][0]}),
-        last = std::min({triangle[0][0], triangle[1][0], triangle[2][0]});
-    const auto include = [&](int column) { first = std::min(first, column), last = std::max(last, column); };
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto &a = triangle[k], &b = triangle[(k + 1) % 3];
-      if (row < std::min(a[1], b[1]) || row > std::max(a[1], b[1])) continue;
-      if (a[1] == b[1]) {
-        include(a[0]);
-        include(b[0]);
-      } else {
-        include(a[0] + (row - a[1]) * (b[0] - a[0]) / (b[1] - a[1]));
-      }
+  std::array<int, 64> first, last;
+  std::fill_n(first.begin(), count, std::numeric_limits<int>::max());
+  std::fill_n(last.begin(), count, std::numeric_limits<int>::min());
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    std::array<int, 2> at = corners[k], to = corners[(k + 1) % corners.size()];
+    if (at[1] == to[1]) continue;  // the edges beside it have its ends
+    if (at[1] > to[1]) std::swap(at, to);
+    const int step = (to[0] > at[0]) - (to[0] < at[0]);
+    for (; at[1] <= to[1]; ++at[1], at[0] += step) {
+      const auto i = static_cast<std::size_t>(at[1] - south);
+      first[i] = std::min(first[i], at[0]), last[i] = std::max(last[i], at[0]);
     }
-    rows[i] = {first, row, last - first + 1};
   }
+  for (std::size_t i = 0; i < count; ++i)
+    rows[i] = {first[i], south + static_cast<int>(i), last[i] - first[i] + 1};
   return rows.first(count);
 }
 
@@ -45,6 +44,11 @@ std::span<const SampleRow> rows_of(const std::array<std::array<int, 2>, 3>& tria
 CAIRN_WIDE bool any_is_off(std::span<const SampleRow> rows, const HeightTile& heights, double quantum_m,
                            const GridPositions& positions, const SampleCamera& camera,
                            const DrawnPlane& plane, const PictureLimits& limits) {
+  for (const SampleRow& row : rows) {
+    __builtin_prefetch(
+        &heights.samples[static_cast<std::size_t>(row.row) * static_cast<std::size_t>(heights.size) +
+                         static_cast<std::size_t>(row.column)]);
+  }
   for (const SampleRow& row : rows) {
     const auto column = static_cast<std::size_t>(row.column), line = static_cast<std::size_t>(row.row);
     const std::int32_t* quanta = &heights.samples[line * static_cast<std::size_t>(heights.size) + column];

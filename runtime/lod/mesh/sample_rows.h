@@ -19,11 +19,10 @@ struct SampleRow {
   int count = 0;
 };
 
-/// The rows that a triangle of the bisection hierarchy covers, its edges included: from the south.
-/// REQUIRES: one leg or the base runs along the grid, and the others as well or diagonally; at most `rows` of
-/// them.
-std::span<const SampleRow> rows_of(const std::array<std::array<int, 2>, 3>& triangle,
-                                   std::span<SampleRow> rows);
+/// The rows that a convex part of a tile covers, its edges included: from the south. Corners are (column,
+/// row), in order. REQUIRES: edges run along the grid or diagonally, so that they meet rows in samples; at
+/// most `rows` of them.
+std::span<const SampleRow> rows_of(std::span<const std::array<int, 2>> corners, std::span<SampleRow> rows);
 
 /// A camera's axes, and where the eye is along them.
 struct SampleCamera {

@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
+#include <span>
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
+
+#include "runtime/lod/mesh/parts_off.h"
 
 namespace cairn {
 namespace {
@@ -19,26 +23,26 @@ constexpr double kMargin_px = 0.5;
 /// Of two ways to project, each to its own rounding.
 constexpr double kRounding = 1e-6;
 
-/// Parts of so many cells, on whose samples all depends, are looked at row by row.
-constexpr int kRowsSpan = 4;
+/// Triangles, and parts of them, of at most so many cells are looked at sample by sample.
+constexpr int kRowsSpan = 8;
 
-/// Smaller parts are not asked whether the horizon hides them.
-constexpr int kHorizonSpan = 4;
+/// Where more parts of a triangle may be off, one of them mostly is. Looked into are as many, or none.
+constexpr int kLookParts = 2;
 
-/// Parts of a triangle that are looked at before it is given up: a quarter of the cells that it spans, if
-/// these are more.
-constexpr int kParts = 32;
+/// Times the tolerance, beyond which a triangle's bound is believed: of those, hardly any look ends well.
+constexpr double kHopeless = 3;
 
-/// Times the tolerance, beyond which a triangle's bound is believed. With these two larger, the mesh has some
-/// hundredths fewer triangles for some tenths more time, smaller the other way round.
-constexpr double kHopeless = 1.5;
+/// Radians. Over triangles with longer legs the bound of the Earth's curvature is too coarse to be believed,
+/// and parts of quarters are looked at where the triangle's own may be off.
+constexpr double kWide = 0.1;
 
-/// Radians. Over triangles that are narrower the vertical and the slant of rays change so little that one of
-/// each does for all parts.
-constexpr double kNarrow = 0.06;
+/// What a quadratic through the corners and the middles of the edges of a right triangle differs by from
+/// what has a third derivative of at most 1 along any direction: so much times the cube of a leg. Worked out
+/// with Taylor's remainder at each of the six, Σ|Nᵢ||xᵢ−x|³/6, over all x.
+constexpr double kThird = 0.047;
 
-/// Radians. Over triangles that are wider the bound of the Earth's curvature is too coarse to be believed.
-constexpr double kWide = 0.05;
+/// The third derivative of a position along any direction of the grid: 1.46 on the unit sphere.
+constexpr double kThirdOfEarth_m = 1.6 * 6.4e6;
 
 double length(double x, double y) {
   return std::sqrt(x * x + y * y);
@@ -75,45 +79,59 @@ class TriangleError::Look {
  public:
   Look(const TriangleError& view, const Surface& surface) : view_(view), surface_(surface) {}
 
-  bool exceeds(const std::array<Corner, 3>& triangle) {
-    const auto corner = [&](const Corner& at) {
-      Sample s = sample(at);
-      s.drawn = s.is;
-      return s;
+  bool exceeds(const std::array<Corner, 3>& triangle) const {
+    const Own own = own_of(triangle);
+    const auto corner = [&](std::size_t i) {
+      const Corner& at = triangle[i];
+      return sample(at, own.ranges != nullptr ? own.ranges->quanta[i] : surface_.heights.at(at[0], at[1]));
     };
-    const Sample a = corner(triangle[0]), b = corner(triangle[1]), c = corner(triangle[2]);
-    const Part whole{a, b, c, own_of(triangle[0], triangle[1], triangle[2])};
-    parts_left_ = std::max(kParts, whole.own.span / 4);
-    if (is_hopeless(whole)) return true;
-    look_from_afar(whole);
-    return is_off(whole);
+    const Sample a = corner(0), b = corner(1), c = corner(2);
+    const Whole whole{a, b, c, own};
+    const bool only_samples = surface_.error_m <= 0;
+    if (own.span == 1 && only_samples) return false;
+    const Rays rays = rays_to(whole);
+    if (is_within(whole, rays) || is_outside(whole)) return false;
+    if (is_hopeless(whole, rays)) return true;
+    if (own.ranges != nullptr) return any_part_is_off(whole);
+    return !only_samples || whole.own.span > kRowsSpan || any_sample_is_off(whole, triangle);
   }
 
  private:
-  /// In the camera: right, up, and along the view.
   struct Sample {
     Corner at{};
-    glm::dvec3 place{0};  ///< geocentric
-    glm::dvec3 is{0};
-    glm::dvec3 drawn{0};
+    double height_m = 0;
+    glm::dvec3 place{0};   ///< geocentric
+    glm::dvec3 is{0};      ///< in the camera: right, up, and along the view
     glm::dvec2 ray{0};     ///< is⊥ / is.z, if that is above kNearest_m
     bool is_seen = false;  ///< is in the picture, above the horizon or not
-    double off = 0;        ///< across(drawn − is, ray)
   };
   /// What a triangle of the hierarchy is off by.
   struct Own {
     double error_m;
     double chord_m;
     int span;  ///< cells along its legs, or along its base where that runs along the grid
+    const PartRanges::Ranges* ranges;
   };
-  /// A triangle of the hierarchy: its base, then the right angle.
-  struct Part {
+  /// The base, then the right angle.
+  struct Whole {
     const Sample& a;
     const Sample& b;
     const Sample& c;
     Own own;
   };
-  /// Of the rays to a part's points.
+  /// Of a flat triangle.
+  struct Point {
+    Corner at{};
+    double height_m = 0;  ///< h
+    glm::dvec3 drawn{0};  ///< in the camera
+  };
+  /// A flat triangle, or a part of one that is shaped like it.
+  struct Flat {
+    std::array<Point, 3> corners;  ///< the base's, then the right angle
+    double leg;                    ///< in radians of longitude and latitude
+    bool is_whole;                 ///< its corners are samples
+  };
+  /// Of the rays to a triangle's points.
   struct Rays {
     double turn;   ///< ω
     double slant;  ///< s
@@ -122,11 +140,11 @@ class TriangleError::Look {
     double up_turn;  ///< α
   };
 
-  Sample sample(const Corner& at) const {
+  Sample sample(const Corner& at, std::int32_t quanta) const {
     Sample s;
     s.at = at;
-    s.place =
-        surface_.errors.positions().at(at[0], at[1], surface_.heights.at(at[0], at[1]) * surface_.quantum_m);
+    s.height_m = quanta * surface_.quantum_m;
+    s.place = surface_.errors.positions().at(at[0], at[1], s.height_m);
     s.is = view_.camera_.in_camera(s.place);
     if (s.is.z > kNearest_m) {
       s.ray = glm::dvec2(s.is.x, s.is.y) * (1 / s.is.z);
@@ -135,18 +153,24 @@ class TriangleError::Look {
     return s;
   }
 
-  Own own_of(const Corner& a, const Corner& b, const Corner& c) const {
+  Own own_of(const std::array<Corner, 3>& triangle) const {
+    const auto& [a, b, c] = triangle;
     const SquareErrors& errors = surface_.errors;
     const int columns = std::abs(a[0] - b[0]), rows = std::abs(a[1] - b[1]);
     const int span = std::max(columns, rows);
-    if (span == 1) return {quarter_of_twist_m(a, b), errors.chord_m(0), 1};
+    if (span == 1) return {quarter_of_twist_m(a, b), errors.chord_m(0), 1, nullptr};
     const int k = std::countr_zero(static_cast<unsigned>(span));
-    if (columns == rows) {
-      const SquareError& square = errors.at(k, ((a[0] + b[0]) / 2) >> k, ((a[1] + b[1]) / 2) >> k);
-      return {length_m(square.centre), errors.chord_m(k), span};
+    const bool across = columns == rows;
+    const double chord_m = across ? errors.chord_m(k) : errors.chord_m(k) / 2;
+    if (span >= PartRanges::kLeastSpan) {
+      const PartRanges::Ranges& ranges = surface_.ranges.of(triangle);
+      return {ranges.most_m(), chord_m, span, &ranges};
     }
+    if (across)
+      return {length_m(errors.at(k, ((a[0] + b[0]) / 2) >> k, ((a[1] + b[1]) / 2) >> k).centre), chord_m,
+              span, nullptr};
     const unsigned side = rows == 0 ? (a[1] < c[1] ? 0 : 2) : (a[0] > c[0] ? 1 : 3);
-    return {length_m(errors.at(k, c[0] >> k, c[1] >> k).middles[side]), errors.chord_m(k) / 2, span};
+    return {length_m(errors.at(k, c[0] >> k, c[1] >> k).middles[side]), chord_m, span, nullptr};
   }
 
   /// What half a cell is off by from the tile's bilinear surface, where that stands for finer samples.
@@ -160,55 +184,131 @@ class TriangleError::Look {
            4;
   }
 
-  bool is_off(const Part& part) {
-    const bool is_cell = part.own.span == 1, only_samples = surface_.error_m <= 0;
-    if (is_cell && only_samples) return false;
-    if (--parts_left_ < 0) return true;
-    const bool in_rows = only_samples && part.own.span <= kRowsSpan;
-    if (is_within(part) || is_outside(part) || (in_rows && !row_is_off(part))) return false;
-    if (in_rows && !is_hidden(part)) return true;
-    if (is_cell) return true;
-    const Corner &a = part.a.at, &b = part.b.at, &c = part.c.at;
-    Sample middle = sample({(a[0] + b[0]) / 2, (a[1] + b[1]) / 2});
-    middle.drawn = (part.a.drawn + part.b.drawn) / 2.0;
-    middle.off = across(middle.drawn - middle.is, middle.ray);
-    if (is_off(middle)) return true;
-    const Part before{part.c, part.a, middle, own_of(c, a, middle.at)};
-    const Part after{part.b, part.c, middle, own_of(b, c, middle.at)};
-    // What is off is found soonest where more is.
-    return after.own.error_m > before.own.error_m ? is_off(after) || is_off(before)
-                                                  : is_off(before) || is_off(after);
-  }
-
   /// Whether the horizon hides a corner.
-  bool is_hidden(const Part& part) const {
-    return view_.horizon_.hides(part.a.place) || view_.horizon_.hides(part.b.place) ||
-           view_.horizon_.hides(part.c.place);
+  bool is_hidden(const Whole& whole) const {
+    return view_.horizon_.hides(whole.a.place) || view_.horizon_.hides(whole.b.place) ||
+           view_.horizon_.hides(whole.c.place);
   }
 
-  /// Of the part's samples, where the horizon hides none.
-  bool row_is_off(const Part& part) const {
+  /// Any sample within these corners, where the horizon hides none.
+  bool any_sample_is_off(const Whole& whole, std::span<const Corner> corners) const {
     std::array<SampleRow, kRowsSpan + 1> rows;
-    const Corner &a = part.a.at, &b = part.b.at, &c = part.c.at;
+    const Corner &a = whole.a.at, &b = whole.b.at, &c = whole.c.at;
     // Of (column, row) from the right angle: with the legs p and q, (x, y) = λp + μq.
     const int px = a[0] - c[0], py = a[1] - c[1], qx = b[0] - c[0], qy = b[1] - c[1];
     const double area = px * qy - py * qx;
-    const glm::dvec3 p = part.a.drawn - part.c.drawn, q = part.b.drawn - part.c.drawn;
+    const glm::dvec3 p = whole.a.is - whole.c.is, q = whole.b.is - whole.c.is;
     DrawnPlane plane;
     plane.by_column = (p * static_cast<double>(qy) - q * static_cast<double>(py)) / area;
     plane.by_row = (q * static_cast<double>(px) - p * static_cast<double>(qx)) / area;
     plane.at =
-        part.c.drawn - static_cast<double>(c[0]) * plane.by_column - static_cast<double>(c[1]) * plane.by_row;
-    return any_is_off(rows_of({a, b, c}, rows), surface_.heights, surface_.quantum_m,
+        whole.c.is - static_cast<double>(c[0]) * plane.by_column - static_cast<double>(c[1]) * plane.by_row;
+    return any_is_off(rows_of(corners, rows), surface_.heights, surface_.quantum_m,
                       surface_.errors.positions(), view_.sample_camera_, plane,
                       {view_.half_width_, view_.half_height_, kNearest_m, view_.tolerance_});
   }
 
-  bool is_off(const Sample& s) const {
-    if (!s.is_seen) return false;
-    const double tile = surface_.error_m > 0 ? surface_.error_m * across(up_at(s.at), s.ray) : 0;
-    const double allowed = std::max(view_.tolerance_ * s.drawn.z - tile, view_.tolerance_ / 4 * s.drawn.z);
-    return (s.drawn.z < kNearest_m || s.off > allowed) && !view_.horizon_.hides(s.place);
+  /// Of a triangle with ranges.
+  bool any_part_is_off(const Whole& whole) const {
+    const Flat flat = flat_of(whole);
+    const bool runs_behind = is_hidden(whole);
+    const std::uint32_t off = parts_off(whole, flat, *whole.own.ranges, runs_behind);
+    if (off == 0) return false;
+    if (surface_.error_m <= 0 && whole.own.span <= kRowsSpan * PartRanges::kSteps &&
+        std::popcount(off) <= kLookParts) {
+      return any_part(off, [&](int part) { return any_sample_is_off(whole, part_corners(whole, part)); });
+    }
+    return flat.leg < kWide || any_quarter_is_off(whole, flat, widest(*whole.own.ranges), runs_behind, 2);
+  }
+
+  template <class Is>
+  static bool any_part(std::uint32_t parts, const Is& is) {
+    for (; parts != 0; parts &= parts - 1) {
+      if (is(std::countr_zero(parts))) return true;
+    }
+    return false;
+  }
+
+  /// Of a wide triangle, quarter by quarter: where the Earth curves less. How far the surface is from it is
+  /// not known by their parts.
+  bool any_quarter_is_off(const Whole& whole, const Flat& flat, const PartRanges::Ranges& ranges,
+                          bool runs_behind, int halvings) const {
+    const auto& [a, b, c] = flat.corners;
+    const Point base = between(a, b), of_q = between(b, c), of_p = between(c, a);
+    for (const std::array<Point, 3>& quarter : {std::array{base, c, of_p}, std::array{a, base, of_p},
+                                                std::array{base, b, of_q}, std::array{c, base, of_q}}) {
+      const Flat smaller{quarter, flat.leg / 2, false};
+      if (parts_off(whole, smaller, ranges, runs_behind) == 0) continue;
+      if (halvings == 1 || smaller.leg < kWide ||
+          any_quarter_is_off(whole, smaller, ranges, runs_behind, halvings - 1))
+        return true;
+    }
+    return false;
+  }
+
+  /// What all parts have at most.
+  static PartRanges::Ranges widest(const PartRanges::Ranges& ranges) {
+    PartRanges::Ranges all = ranges;
+    all.least.fill(*std::min_element(ranges.least.begin(), ranges.least.end()));
+    all.most.fill(*std::max_element(ranges.most.begin(), ranges.most.end()));
+    return all;
+  }
+
+  /// Those that may be in the picture and off by too much.
+  std::uint32_t parts_off(const Whole& whole, const Flat& flat, const PartRanges::Ranges& ranges,
+                          bool runs_behind) const {
+    const FlatTriangle triangle = triangle_of(flat, ranges.most_m() + surface_.error_m);
+    const PartPicture picture{view_.half_width_, view_.half_height_, kNearest_m,
+                              whole.a.is_seen && whole.b.is_seen && whole.c.is_seen};
+    std::uint32_t off = cairn::parts_off(triangle, ranges, picture, view_.tolerance_, surface_.error_m);
+    if (off != 0 && surface_.error_m > 0)
+      off &= cairn::parts_off(triangle, ranges, picture, view_.tolerance_ / 4, 0);
+    return off != 0 && runs_behind ? above_horizon(triangle, ranges.most_m(), off) : off;
+  }
+
+  Flat flat_of(const Whole& whole) const {
+    const auto point = [](const Sample& s) { return Point{s.at, s.height_m, s.is}; };
+    const bool is_half = std::abs(whole.a.at[0] - whole.b.at[0]) == std::abs(whole.a.at[1] - whole.b.at[1]);
+    return {{point(whole.a), point(whole.b), point(whole.c)},
+            whole.own.span * surface_.errors.cell_radians() / (is_half ? 1 : std::numbers::sqrt2),
+            true};
+  }
+
+  static Point between(const Point& s, const Point& t) {
+    return {{(s.at[0] + t.at[0]) / 2, (s.at[1] + t.at[1]) / 2},
+            (s.height_m + t.height_m) / 2,
+            (s.drawn + t.drawn) / 2.0};
+  }
+
+  FlatTriangle triangle_of(const Flat& flat, double error_m) const {
+    const auto& [a, b, c] = flat.corners;
+    FlatTriangle triangle;
+    triangle.corners = {a.drawn, b.drawn, c.drawn};
+    triangle.ups = {up_at(a.at), up_at(b.at), up_at(c.at)};
+    if (!flat.is_whole) triangle.bulges = {bulge_at(a), bulge_at(b), bulge_at(c)};
+    triangle.middle_bulges = {bulge_at(between(a, b)), bulge_at(between(b, c)), bulge_at(between(c, a))};
+    const double rise = std::max(std::abs(a.height_m - c.height_m), std::abs(b.height_m - c.height_m));
+    triangle.slack_m =
+        flat.leg * flat.leg * (kThird * (kThirdOfEarth_m * flat.leg + 5.3 * rise) + 0.3 * error_m);
+    return triangle;
+  }
+
+  /// D − S(h).
+  glm::dvec3 bulge_at(const Point& point) const {
+    return point.drawn -
+           view_.camera_.in_camera(surface_.errors.positions().at(point.at[0], point.at[1], point.height_m));
+  }
+
+  static std::array<Corner, 4> part_corners(const Whole& whole, int part) {
+    constexpr int n = PartRanges::kSteps;
+    int j = 0, i = part;
+    for (; i >= n - j; ++j) i -= n - j;
+    const Corner &a = whole.a.at, &b = whole.b.at, &c = whole.c.at;
+    const auto at = [&](int along_p, int along_q) {
+      return Corner{c[0] + (along_p * (a[0] - c[0]) + along_q * (b[0] - c[0])) / n,
+                    c[1] + (along_p * (a[1] - c[1]) + along_q * (b[1] - c[1])) / n};
+    };
+    return {at(i, j), at(i + 1, j), i + j + 1 < n ? at(i + 1, j + 1) : at(i + 1, j), at(i, j + 1)};
   }
 
   glm::dvec3 up_at(const Corner& at) const {
@@ -218,67 +318,44 @@ class TriangleError::Look {
   }
 
   /// |ρ| at most.
-  double reach_m(const Part& part) const { return part.own.error_m + part.own.chord_m + surface_.error_m; }
-
-  /// What all parts of a narrow triangle can share: the vertical at its right angle and the largest slant.
-  void look_from_afar(const Part& whole) {
-    const double reach = reach_m(whole), nearest = least(whole.a.is.z, whole.b.is.z, whole.c.is.z) - reach;
-    up_turn_ = whole.own.span * surface_.errors.cell_radians();
-    is_narrow_ = up_turn_ < kNarrow && reach < nearest * kNarrow;
-    if (!is_narrow_) return;
-    up_ = up_at(whole.c.at);
-    slant_ = slant_of(whole);
-    slant_ += reach * slant_ / nearest;
-    has_horizon_ = is_hidden(whole);
+  double reach_m(const Whole& whole) const {
+    return whole.own.error_m + whole.own.chord_m + surface_.error_m;
   }
 
-  /// ω of the part's own points.
-  static double turn_of(const Part& part) {
-    const glm::dvec2 &a = part.a.ray, &b = part.b.ray, &c = part.c.ray;
+  /// ω of the triangle's own points.
+  static double turn_of(const Whole& whole) {
+    const glm::dvec2 &a = whole.a.ray, &b = whole.b.ray, &c = whole.c.ray;
     return length(most(a.x, b.x, c.x) - least(a.x, b.x, c.x), most(a.y, b.y, c.y) - least(a.y, b.y, c.y));
   }
 
-  /// Of the part's own points, to which `beyond` is added for what ρ moves them by.
-  Rays rays_to(const Part& part, double beyond, double slant) const {
-    const glm::dvec3 up = up_at(part.c.at);
-    return {turn_of(part) + beyond, slant + beyond, across(up, part.c.ray), std::abs(up.z),
-            part.own.span * surface_.errors.cell_radians()};
+  Rays rays_to(const Whole& whole) const {
+    const glm::dvec3 up = up_at(whole.c.at);
+    const double slant =
+        std::sqrt(1 + most(glm::dot(whole.a.ray, whole.a.ray), glm::dot(whole.b.ray, whole.b.ray),
+                           glm::dot(whole.c.ray, whole.c.ray)));
+    return {turn_of(whole), slant, across(up, whole.c.ray), std::abs(up.z),
+            whole.own.span * surface_.errors.cell_radians()};
   }
 
-  /// With what a narrow triangle's parts share.
-  Rays narrow_rays_to(const Part& part, double beyond) const {
-    return {turn_of(part) + beyond, slant_, across(up_, part.c.ray), std::abs(up_.z), up_turn_};
-  }
-
-  static double slant_of(const Part& part) {
-    return std::sqrt(1 + most(glm::dot(part.a.ray, part.a.ray), glm::dot(part.b.ray, part.b.ray),
-                              glm::dot(part.c.ray, part.c.ray)));
-  }
-
-  /// Whether the bound says that no place of the part is off by too much.
-  bool is_within(const Part& part) const {
-    const Sample &a = part.a, &b = part.b, &c = part.c;
-    const double reach = reach_m(part), nearest = least(a.is.z, b.is.z, c.is.z) - reach;
-    if (nearest < kNearest_m || least(a.drawn.z, b.drawn.z, c.drawn.z) < kNearest_m) return false;
-    const double slant = is_narrow_ ? slant_ : slant_of(part), beyond = reach * slant / nearest;
-    const Rays rays = is_narrow_ ? narrow_rays_to(part, beyond) : rays_to(part, beyond, slant);
-    const double vertical = std::min(rays.slant, rays.up + rays.turn * rays.up_z + rays.up_turn * rays.slant);
-    const auto is_within = [&](double tolerance, double error_m) {
-      const auto over = [&](const Sample& s) {
-        return s.off + rays.turn * std::abs(s.drawn.z - s.is.z) - tolerance * s.drawn.z;
-      };
-      return most(over(a), over(b), over(c)) + error_m * vertical + part.own.chord_m * rays.slant <= 0;
+  /// Whether the bound says that no place is off by too much.
+  bool is_within(const Whole& whole, const Rays& rays) const {
+    const double reach = reach_m(whole), nearest = least(whole.a.is.z, whole.b.is.z, whole.c.is.z);
+    if (nearest - reach < kNearest_m) return false;
+    const double beyond = reach * rays.slant / (nearest - reach), turn = rays.turn + beyond,
+                 slant = rays.slant + beyond;
+    const double vertical = std::min(slant, rays.up + turn * rays.up_z + rays.up_turn * slant);
+    const auto within = [&](double tolerance, double error_m) {
+      return error_m * vertical + whole.own.chord_m * slant <= tolerance * nearest;
     };
-    return is_within(view_.tolerance_, part.own.error_m + surface_.error_m) ||
-           (surface_.error_m > 0 && is_within(view_.tolerance_ / 4, part.own.error_m));
+    return within(view_.tolerance_, whole.own.error_m + surface_.error_m) ||
+           (surface_.error_m > 0 && within(view_.tolerance_ / 4, whole.own.error_m));
   }
 
   /// A guess that saves looking: yes where the vertical error of the whole triangle, which some sample has
   /// (if not the other triangle's at the same base), is too much wherever that is, or where the bound is so
   /// far above the tolerance that what is looked at rarely turns out well.
-  bool is_hopeless(const Part& whole) const {
+  bool is_hopeless(const Whole& whole, const Rays& rays) const {
     if (!whole.a.is_seen || !whole.b.is_seen || !whole.c.is_seen) return false;
-    const Rays rays = rays_to(whole, 0, slant_of(whole));
     const double error = whole.own.error_m, chord = whole.own.chord_m * rays.slant;
     const double least_vertical = rays.up - rays.turn * rays.up_z - rays.up_turn * rays.slant;
     return error * least_vertical - chord >
@@ -286,38 +363,82 @@ class TriangleError::Look {
            (rays.up_turn < kWide && error * rays.up + chord > kHopeless * view_.tolerance_ * whole.c.is.z);
   }
 
-  /// Whether nothing of the part is in the picture, certainly.
-  bool is_outside(const Part& part) const {
-    if (is_beside(part)) return true;
-    return part.own.span >= kHorizonSpan && (has_horizon_ || !is_narrow_) && is_below_horizon(part);
+  /// Whether nothing of it is in the picture, certainly.
+  bool is_outside(const Whole& whole) const {
+    const double reach = reach_m(whole);
+    if (!whole.a.is_seen && !whole.b.is_seen && !whole.c.is_seen &&
+        is_beside(std::array{whole.a.is, whole.b.is, whole.c.is}, reach))
+      return true;
+    return is_below_horizon(std::array{whole.a.place, whole.b.place, whole.c.place}, reach);
   }
 
-  bool is_beside(const Part& part) const {
-    if (part.a.is_seen || part.b.is_seen || part.c.is_seen) return false;
-    const glm::dvec3 &a = part.a.is, &b = part.b.is, &c = part.c.is;
-    const double reach = reach_m(part), w = view_.half_width_, h = view_.half_height_;
+  /// Those of the parts that the horizon may not hide.
+  std::uint32_t above_horizon(const FlatTriangle& triangle, double error_m, std::uint32_t parts) const {
+    constexpr int n = PartRanges::kSteps;
+    const std::array<glm::dvec3, 3> bends = bends_of(triangle);
+    double most_bent = 0;
+    for (const glm::dvec3& bend : bends) most_bent = std::max(most_bent, glm::length(bend));
+    const double beyond = 2 * most_bent / (n * n) + error_m + surface_.error_m + triangle.slack_m;
+    std::uint32_t above = 0;
+    for (int j = 0, part = 0; j < n; ++j) {
+      for (int i = 0; i + j < n; ++i, ++part) {
+        if ((parts >> part & 1) == 0) continue;
+        const auto at = [&](double u, double v) {
+          return curved_at(triangle, bends, (i + u) / n, (j + v) / n);
+        };
+        const glm::dvec3 middle = at(0.5, 0.5);
+        double radius = 0;
+        for (const glm::dvec3& corner : {at(0, 0), at(1, 0), at(0, 1), at(1, 1)})
+          radius = std::max(radius, glm::length(corner - middle));
+        const glm::dvec3 place = view_.camera_.position + view_.camera_.right * middle.x +
+                                 view_.camera_.up * middle.y + view_.camera_.forward * middle.z;
+        if (!view_.horizon_.hides(place, radius + beyond)) above |= 1u << part;
+      }
+    }
+    return above;
+  }
+
+  /// What is quadratic of the bulges, at the middles of the base, of q and of p.
+  static std::array<glm::dvec3, 3> bends_of(const FlatTriangle& t) {
+    return {t.middle_bulges[0] - (t.bulges[0] + t.bulges[1]) / 2.0,
+            t.middle_bulges[1] - (t.bulges[1] + t.bulges[2]) / 2.0,
+            t.middle_bulges[2] - (t.bulges[2] + t.bulges[0]) / 2.0};
+  }
+
+  /// S(h), u along p and v along q.
+  static glm::dvec3 curved_at(const FlatTriangle& t, const std::array<glm::dvec3, 3>& bends, double u,
+                              double v) {
+    const double w = 1 - u - v;
+    return u * (t.corners[0] - t.bulges[0]) + v * (t.corners[1] - t.bulges[1]) +
+           w * (t.corners[2] - t.bulges[2]) - 4.0 * (u * v * bends[0] + v * w * bends[1] + w * u * bends[2]);
+  }
+
+  /// Of places that are so far from these at most, in the camera, and between.
+  template <std::size_t kCount>
+  bool is_beside(const std::array<glm::dvec3, kCount>& points, double reach) const {
+    const double w = view_.half_width_, h = view_.half_height_;
     const double reach_w = -reach * length(1, w), reach_h = -reach * length(1, h);
-    return most(a.z, b.z, c.z) < -reach || most(a.z * w - a.x, b.z * w - b.x, c.z * w - c.x) < reach_w ||
-           most(a.z * w + a.x, b.z * w + b.x, c.z * w + c.x) < reach_w ||
-           most(a.z * h - a.y, b.z * h - b.y, c.z * h - c.y) < reach_h ||
-           most(a.z * h + a.y, b.z * h + b.y, c.z * h + c.y) < reach_h;
+    const auto all = [&](auto beyond) { return std::all_of(points.begin(), points.end(), beyond); };
+    return all([&](const glm::dvec3& p) { return p.z < -reach; }) ||
+           all([&](const glm::dvec3& p) { return p.z * w - p.x < reach_w; }) ||
+           all([&](const glm::dvec3& p) { return p.z * w + p.x < reach_w; }) ||
+           all([&](const glm::dvec3& p) { return p.z * h - p.y < reach_h; }) ||
+           all([&](const glm::dvec3& p) { return p.z * h + p.y < reach_h; });
   }
 
-  bool is_below_horizon(const Part& part) const {
-    const glm::dvec3 middle = (part.a.place + part.b.place) / 2.0;
-    const double radius = std::max(glm::length(part.a.place - middle), glm::length(part.c.place - middle));
-    return view_.horizon_.hides(middle, radius + reach_m(part));
+  template <std::size_t kCount>
+  bool is_below_horizon(const std::array<glm::dvec3, kCount>& points, double reach) const {
+    if (!view_.horizon_.hides(points[0])) return false;
+    glm::dvec3 middle{0};
+    for (const glm::dvec3& p : points) middle += p;
+    middle /= static_cast<double>(kCount);
+    double radius = 0;
+    for (const glm::dvec3& p : points) radius = std::max(radius, glm::length(p - middle));
+    return view_.horizon_.hides(middle, radius + reach);
   }
 
   const TriangleError& view_;
   const Surface& surface_;
-  int parts_left_ = 0;
-  // Of the whole triangle.
-  bool is_narrow_ = false;
-  bool has_horizon_ = true;  // it may run behind the horizon
-  glm::dvec3 up_{0};
-  double up_turn_ = 0;
-  double slant_ = 1;
 };
 
 bool TriangleError::exceeds(const Surface& surface, const std::array<Corner, 3>& triangle) const {

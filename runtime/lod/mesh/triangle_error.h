@@ -7,6 +7,7 @@
 
 #include "format/height_tile.h"
 #include "runtime/horizon.h"
+#include "runtime/lod/mesh/part_ranges.h"
 #include "runtime/lod/mesh/sample_rows.h"
 #include "runtime/lod/mesh/square_errors.h"
 #include "runtime/lod_method.h"
@@ -17,17 +18,16 @@ namespace cairn {
 /// What a flat triangle between samples of a tile is off by on the picture: the measure of Screen, where a
 /// bound from afar (Allowance) is too careful.
 ///
-/// The triangle D is held against the finest surface P part by part: T is a triangle of the bisection
-/// hierarchy within it, between samples too. Interpolated along the grid, at any place of T,
-///   D − P = Σ wᵢδᵢ + ρ,  δᵢ = D − P at T's corners,  ρ = v·up + c,
-/// |v| at most T's own vertical error and the tile's, |c| at most T's chord (SquareErrors). With t = P⊥/Pz
-/// along the ray to P, the picture of the place moves by f|(D − P)⊥ − t(D − P)z| / Dz: exactly. Where on T t
-/// differs by ω at most, up by α, and √(1+|t|²) <= s, the move is within the tolerance τ if
-///   max(|δᵢ⊥ − tᵢδᵢz| + ω|δᵢz| − Dᵢz·τ/f) + |v|·min(s, |up⊥ − t·upz| + ω|upz| + αs) + |c|s <= 0,
-/// up and t here those at one corner: what is linear over T, Dz too, is largest at a corner. T itself is seen
-/// within the triangle of its corners' pictures, P |ρ|s/Pz from there at most: ω is that triangle's diameter
-/// and this. Otherwise the sample that bisects T is projected: off by too much, or T's halves are looked at
-/// in turn. ω, α, v and c shrink with T; in the end there are but samples, of a few cells all at once.
+/// A bound over the whole triangle comes first. With P the finest surface, D the triangle,
+///   D − P = ρ = v·up + c,
+/// |v| at most the triangle's vertical error and the tile's, |c| at most its chord (SquareErrors). With
+/// t = P⊥/Pz along the ray to P, the picture of the place moves by f|(D − P)⊥ − t(D − P)z| / Dz: exactly.
+/// Where t differs by ω at most, up by α, and √(1+|t|²) <= s, the move is within the tolerance τ if
+///   |v|·min(s, |up⊥ − t·upz| + ω|upz| + αs) + |c|s <= τ/f · min Dz,
+/// up and t here those at the right angle, Dz at the corners. The triangle is seen within that of its
+/// corners' pictures, P |ρ|s/Pz from there at most: ω is that triangle's diameter and this. Otherwise a small
+/// triangle's samples are projected, all at once, and a larger one is held against the tolerance in parts
+/// (parts_off).
 class TriangleError {
  public:
   /// `lowest_m`: of the scene; what the ellipsoid there hides is not in the picture.
@@ -37,6 +37,7 @@ class TriangleError {
     const HeightTile& heights;
     double quantum_m;
     const SquareErrors& errors;
+    const PartRanges& ranges;
     double error_m;  ///< the finest samples are no farther from the heights' bilinear surface, vertically
   };
   /// (column, row) of the tile's samples.
