@@ -27,7 +27,7 @@ class Meter {
 
   std::array<Range, PartRanges::kParts> measure(const Triangle& triangle) {
     lay_through(triangle);
-    const auto& [a, b, c] = triangle;
+    const Corner &a = triangle[0], &b = triangle[1], &c = triangle[2];
     constexpr int n = PartRanges::kSteps;
     const auto at = [&](int i, int j) {
       return Corner{c[0] + (i * (a[0] - c[0]) + j * (b[0] - c[0])) / n,
