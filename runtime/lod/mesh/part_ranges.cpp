@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <span>
 
 #include "format/rqt_steps.h"
+#include "runtime/lod/mesh/sample_rows.h"
 
 namespace cairn {
 namespace {
@@ -23,28 +23,13 @@ struct Range {
 class Meter {
  public:
   Meter(const HeightTile& heights, bool between_samples)
-      : heights_(heights), between_samples_(between_samples) {}
+      : heights_(heights), between_samples_(between_samples), rows_(static_cast<std::size_t>(heights.size)) {}
 
   std::array<Range, PartRanges::kParts> measure(const Triangle& triangle) {
     lay_through(triangle);
-    const Corner &a = triangle[0], &b = triangle[1], &c = triangle[2];
-    constexpr int n = PartRanges::kSteps;
-    const auto at = [&](int i, int j) {
-      return Corner{c[0] + (i * (a[0] - c[0]) + j * (b[0] - c[0])) / n,
-                    c[1] + (i * (a[1] - c[1]) + j * (b[1] - c[1])) / n};
-    };
     std::array<Range, PartRanges::kParts> ranges;
-    std::size_t part = 0;
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i + j < n; ++i, ++part) {
-        const std::array<Corner, 4> corners{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)};
-        if (i + j + 1 < n) {
-          ranges[part] = measure_part(corners);
-        } else {
-          ranges[part] = measure_part(std::array<Corner, 3>{corners[0], corners[1], corners[3]});
-        }
-      }
-    }
+    for (std::size_t part = 0; part < ranges.size(); ++part)
+      ranges[part] = measure_part(PartRanges::corners_of(triangle, part));
     return ranges;
   }
 
@@ -59,32 +44,19 @@ class Meter {
     at_origin_ = height(c) - east_ * c[0] - north_ * c[1];
   }
 
-  Range measure_part(std::span<const Corner> corners) const {
-    const auto by_row = [](const Corner& x, const Corner& y) { return x[1] < y[1]; };
-    const auto [south, north] = std::minmax_element(corners.begin(), corners.end(), by_row);
+  Range measure_part(std::span<const Corner> corners) {
     Range range;
-    for (int row = (*south)[1]; row <= (*north)[1]; ++row) measure_row(corners, row, range);
+    for (const SampleRow& row : rows_of(corners, rows_)) {
+      const std::int32_t* quanta =
+          &heights_.samples[static_cast<std::size_t>(row.row) * static_cast<std::size_t>(heights_.size)];
+      for (int column = row.column; column < row.column + row.count; ++column) {
+        const double above = at_origin_ + east_ * column + north_ * row.row - quanta[column];
+        range.low = std::min(range.low, above);
+        range.high = std::max(range.high, above);
+      }
+    }
     if (between_samples_) widen_by_edges(corners, range);
     return range;
-  }
-
-  /// The part's samples in this row. Edges run along the grid or diagonally, so that they meet it in samples.
-  void measure_row(std::span<const Corner> corners, int row, Range& range) const {
-    int first = std::numeric_limits<int>::max(), last = std::numeric_limits<int>::min();
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      const Corner &from = corners[k], &to = corners[(k + 1) % corners.size()];
-      if (row < std::min(from[1], to[1]) || row > std::max(from[1], to[1])) continue;
-      const int rows = to[1] - from[1];
-      const int column = rows == 0 ? from[0] : from[0] + (row - from[1]) * ((to[0] - from[0]) / rows);
-      first = std::min(first, column), last = std::max(last, column);
-    }
-    const std::int32_t* quanta =
-        &heights_.samples[static_cast<std::size_t>(row) * static_cast<std::size_t>(heights_.size)];
-    for (int column = first; column <= last; ++column) {
-      const double above = at_origin_ + east_ * column + north_ * row - quanta[column];
-      range.low = std::min(range.low, above);
-      range.high = std::max(range.high, above);
-    }
   }
 
   /// Between samples the plane differs by more from the bilinear surface only where it ends within cells,
@@ -110,6 +82,7 @@ class Meter {
 
   const HeightTile& heights_;
   bool between_samples_;
+  std::vector<SampleRow> rows_;
   double at_origin_ = 0;
   double east_ = 0;
   double north_ = 0;
@@ -145,6 +118,17 @@ std::array<Triangle, 6> triangles_of(const Corner& south_west, int s, bool rises
 }
 
 }  // namespace
+
+std::array<Corner, 4> PartRanges::corners_of(const Triangle& triangle, std::size_t part) {
+  int j = 0, i = static_cast<int>(part);
+  for (; i >= kSteps - j; ++j) i -= kSteps - j;
+  const Corner &a = triangle[0], &b = triangle[1], &c = triangle[2];
+  const auto at = [&](int along_p, int along_q) {
+    return Corner{c[0] + (along_p * (a[0] - c[0]) + along_q * (b[0] - c[0])) / kSteps,
+                  c[1] + (along_p * (a[1] - c[1]) + along_q * (b[1] - c[1])) / kSteps};
+  };
+  return {at(i, j), at(i + 1, j), i + j + 1 < kSteps ? at(i + 1, j + 1) : at(i + 1, j), at(i, j + 1)};
+}
 
 PartRanges::PartRanges(const HeightTile& heights, const TileId& id, double quantum_m, bool between_samples)
     : levels_(std::bit_width(static_cast<unsigned>(heights.size - 1)) - 1) {

@@ -30,6 +30,9 @@ class PartRanges {
   using Triangle = std::array<Corner, 3>;
 
   static constexpr int kCodes = std::numeric_limits<std::int16_t>::max();
+  /// A part's corners, in order; a triangle's second is there twice. REQUIRES: part < kParts.
+  static std::array<Corner, 4> corners_of(const Triangle& triangle, std::size_t part);
+
   /// Of a triangle: how far it is above its parts' samples, at least and at most; below, where negative. In
   /// units, rounded outwards.
   struct alignas(64) Ranges {

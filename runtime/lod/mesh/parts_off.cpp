@@ -73,10 +73,10 @@ struct Narrow {
   explicit Narrow(const FlatTriangle& t)
       : drawn{narrow(t.corners[2]), narrow(t.corners[0] - t.corners[2]), narrow(t.corners[1] - t.corners[2])},
         up{narrow(t.ups[2]), narrow(t.ups[0] - t.ups[2]), narrow(t.ups[1] - t.ups[2])},
-        bulge{narrow(t.bulges[2]), narrow(t.bulges[0] - t.bulges[2]), narrow(t.bulges[1] - t.bulges[2])},
-        bend{narrow(t.middle_bulges[0] - (t.bulges[0] + t.bulges[1]) / 2.0),
-             narrow(t.middle_bulges[1] - (t.bulges[1] + t.bulges[2]) / 2.0),
-             narrow(t.middle_bulges[2] - (t.bulges[2] + t.bulges[0]) / 2.0)} {}
+        bulge{narrow(t.bulges[2]), narrow(t.bulges[0] - t.bulges[2]), narrow(t.bulges[1] - t.bulges[2])} {
+    const std::array<glm::dvec3, 3> bends = bends_of(t);
+    for (std::size_t i = 0; i < 3; ++i) bend[i] = narrow(bends[i]);
+  }
   Vec drawn[3];
   Vec up[3];
   Vec bulge[3];
@@ -242,6 +242,12 @@ CAIRN_WIDE void look(const FlatTriangle& triangle, const PartRanges::Ranges& ran
 }
 
 }  // namespace
+
+std::array<glm::dvec3, 3> bends_of(const FlatTriangle& t) {
+  return {t.middle_bulges[0] - (t.bulges[0] + t.bulges[1]) / 2.0,
+          t.middle_bulges[1] - (t.bulges[1] + t.bulges[2]) / 2.0,
+          t.middle_bulges[2] - (t.bulges[2] + t.bulges[0]) / 2.0};
+}
 
 std::uint32_t parts_off(const FlatTriangle& triangle, const PartRanges::Ranges& ranges,
                         const PartPicture& picture, double tolerance, double beyond_m) {

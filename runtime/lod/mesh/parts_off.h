@@ -15,12 +15,14 @@ namespace cairn {
 struct FlatTriangle {
   std::array<glm::dvec3, 3> corners;  ///< the base's two, then the right angle
   std::array<glm::dvec3, 3> ups;      ///< unit vectors out of the ellipsoid at these
-  std::array<glm::dvec3, 3> bulges{
-      glm::dvec3{0}, glm::dvec3{0},
-      glm::dvec3{0}};  ///< D − S(h) there: 0 but where this is a part of a flat triangle
+  /// D − S(h) there: 0 but where this is a part of a flat triangle.
+  std::array<glm::dvec3, 3> bulges{glm::dvec3{0}, glm::dvec3{0}, glm::dvec3{0}};
   std::array<glm::dvec3, 3> middle_bulges;  ///< D − S(h) at the middles of the base, of leg q and of leg p
   double slack_m = 0;  ///< the places that parts_off() derives are no farther off, in all
 };
+
+/// What is quadratic of its bulges, at the middles of the base, of q and of p.
+std::array<glm::dvec3, 3> bends_of(const FlatTriangle& triangle);
 
 /// A picture, at depth 1.
 struct PartPicture {

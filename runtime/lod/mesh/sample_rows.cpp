@@ -21,22 +21,23 @@ std::span<const SampleRow> rows_of(std::span<const std::array<int, 2>> corners, 
   for (const auto& [column, row] : corners) south = std::min(south, row), north = std::max(north, row);
   const auto count = static_cast<std::size_t>(north - south) + 1;
   assert(count <= rows.size());
-  std::array<int, 64> first, last;
-  std::fill_n(first.begin(), count, std::numeric_limits<int>::max());
-  std::fill_n(last.begin(), count, std::numeric_limits<int>::min());
+  const auto found = rows.first(count);
+  // From the first column to the last, until all edges are known.
+  for (std::size_t i = 0; i < count; ++i)
+    found[i] = {std::numeric_limits<int>::max(), south + static_cast<int>(i),
+                std::numeric_limits<int>::min()};
   for (std::size_t k = 0; k < corners.size(); ++k) {
     std::array<int, 2> at = corners[k], to = corners[(k + 1) % corners.size()];
     if (at[1] == to[1]) continue;  // the edges beside it have its ends
     if (at[1] > to[1]) std::swap(at, to);
     const int step = (to[0] > at[0]) - (to[0] < at[0]);
     for (; at[1] <= to[1]; ++at[1], at[0] += step) {
-      const auto i = static_cast<std::size_t>(at[1] - south);
-      first[i] = std::min(first[i], at[0]), last[i] = std::max(last[i], at[0]);
+      SampleRow& row = found[static_cast<std::size_t>(at[1] - south)];
+      row.column = std::min(row.column, at[0]), row.count = std::max(row.count, at[0]);
     }
   }
-  for (std::size_t i = 0; i < count; ++i)
-    rows[i] = {first[i], south + static_cast<int>(i), last[i] - first[i] + 1};
-  return rows.first(count);
+  for (SampleRow& row : found) row.count -= row.column - 1;
+  return found;
 }
 
 // Inner loops without a branch or a division, so that they become vectors: with P the sample and D its place,

@@ -216,7 +216,10 @@ class TriangleError::Look {
     if (off == 0) return false;
     if (surface_.error_m <= 0 && whole.own.span <= kRowsSpan * PartRanges::kSteps &&
         std::popcount(off) <= kLookParts) {
-      return any_part(off, [&](int part) { return any_sample_is_off(whole, part_corners(whole, part)); });
+      const std::array<Corner, 3> triangle{whole.a.at, whole.b.at, whole.c.at};
+      return any_part(off, [&](int part) {
+        return any_sample_is_off(whole, PartRanges::corners_of(triangle, static_cast<std::size_t>(part)));
+      });
     }
     return flat.leg < kWide || any_quarter_is_off(whole, flat, widest(*whole.own.ranges), runs_behind, 2);
   }
@@ -297,18 +300,6 @@ class TriangleError::Look {
   glm::dvec3 bulge_at(const Point& point) const {
     return point.drawn -
            view_.camera_.in_camera(surface_.errors.positions().at(point.at[0], point.at[1], point.height_m));
-  }
-
-  static std::array<Corner, 4> part_corners(const Whole& whole, int part) {
-    constexpr int n = PartRanges::kSteps;
-    int j = 0, i = part;
-    for (; i >= n - j; ++j) i -= n - j;
-    const Corner &a = whole.a.at, &b = whole.b.at, &c = whole.c.at;
-    const auto at = [&](int along_p, int along_q) {
-      return Corner{c[0] + (along_p * (a[0] - c[0]) + along_q * (b[0] - c[0])) / n,
-                    c[1] + (along_p * (a[1] - c[1]) + along_q * (b[1] - c[1])) / n};
-    };
-    return {at(i, j), at(i + 1, j), i + j + 1 < n ? at(i + 1, j + 1) : at(i + 1, j), at(i, j + 1)};
   }
 
   glm::dvec3 up_at(const Corner& at) const {
@@ -396,13 +387,6 @@ class TriangleError::Look {
       }
     }
     return above;
-  }
-
-  /// What is quadratic of the bulges, at the middles of the base, of q and of p.
-  static std::array<glm::dvec3, 3> bends_of(const FlatTriangle& t) {
-    return {t.middle_bulges[0] - (t.bulges[0] + t.bulges[1]) / 2.0,
-            t.middle_bulges[1] - (t.bulges[1] + t.bulges[2]) / 2.0,
-            t.middle_bulges[2] - (t.bulges[2] + t.bulges[0]) / 2.0};
   }
 
   /// S(h), u along p and v along q.
