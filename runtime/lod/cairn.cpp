@@ -13,6 +13,9 @@
 // sample by sample where it is small or few of its parts are in doubt (TriangleError). Squares are bounded
 // only as the mesh comes to have triangles in them.
 //
+// What the hierarchy adds for its own sake, most of all along a step across its grid, is taken out again
+// where it is much of a tile's mesh (Thinning).
+//
 // A vertical error is seen under the angle between the ray and the vertical: looking down it hardly shows
 // (Allowance).
 //
@@ -40,12 +43,17 @@
 #include "runtime/lod/mesh/part_ranges.h"
 #include "runtime/lod/mesh/prepared_tiles.h"
 #include "runtime/lod/mesh/square_errors.h"
+#include "runtime/lod/mesh/thinning.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/triangle_error.h"
 
 namespace cairn {
 namespace {
+
+/// A tile's mesh is thinned out where so much of it is there for the hierarchy's sake. Elsewhere that takes
+/// as long as the rest of the method, or longer.
+constexpr double kThinned = 0.25;
 
 /// What is known of a tile.
 struct Known {
@@ -152,7 +160,8 @@ class Cairn : public LodMethod {
     bisect(scene, view, allowance, drawn);
     const double selected = thread_cpu_s();
     LodMesh mesh;
-    for (const std::size_t i : drawn) append(scene, view, allowance, i, mesh);
+    Thinning thinning(allowance);
+    for (const std::size_t i : drawn) append(scene, view, allowance, i, thinning, mesh);
     conform(scene, forest_.meet_finer(), mesh);
     mesh.count(IndexForm::list, {3 * mesh.triangle_count(), mesh.tiles.size()});
     mesh.selection_s = selected - start;
@@ -183,15 +192,24 @@ class Cairn : public LodMethod {
   }
 
   void append(const LodScene& scene, const LodView& view, const Allowance& allowance, std::size_t i,
-              LodMesh& mesh) {
+              Thinning& thinning, LodMesh& mesh) {
     const SquareErrors& errors = tiles_[i].known->errors;
     const TileWindow& window = tiles_[i].window;
-    forest_.append(
+    const std::size_t tiles = mesh.tiles.size();
+    const double unwanted = forest_.append(
         scene, i, view.cull ? SquareErrors::kSphereLevel : BisectionForest::kNeverCull,
         [&](int k, int x, int y) {
           return allowance.sees(errors.sphere(k, x + (window.column() >> k), y + (window.row() >> k)));
         },
         mesh);
+    const bool is_drawn = mesh.tiles.size() > tiles;
+    if (is_drawn && unwanted >= kThinned && is_thinnable(scene, i))
+      thinning.thin({window, errors, scene.quantum_m}, mesh.tiles.back());
+  }
+
+  /// Not where places between samples count, or where conform() has yet to split triangles.
+  bool is_thinnable(const LodScene& scene, std::size_t i) const {
+    return scene.tiles[i].error_m <= 0 && forest_.meet_finer()[i] == 0;
   }
 
   /// Of a tile of the scene, by its number there.

@@ -64,8 +64,9 @@ class BisectionForest {
 
   /// Appends a tile's triangles, without the squares that `sees(k, x, y)` says no to: a square of at least
   /// 2^cull_level cells, whose inside no other asks for. Each inner square is a fan around its centre.
+  /// Of the squares' vertices in it, the share that these did not want themselves: there for others.
   template <class Sees>
-  void append(const LodScene& scene, std::size_t tile, int cull_level, const Sees& sees, LodMesh& mesh);
+  double append(const LodScene& scene, std::size_t tile, int cull_level, const Sees& sees, LodMesh& mesh);
 
  private:
   /// The vertices of a square that are enabled; shifted, those that are wanted.
@@ -74,6 +75,7 @@ class BisectionForest {
   static constexpr Mask bit_of(unsigned side) { return static_cast<Mask>(2u << side); }
   static constexpr Mask kSelected = 1 << 6;     ///< the square's vertices are wanted, or not
   static constexpr Mask kAllSelected = 1 << 7;  ///< those within it, too
+  static constexpr Mask kVertices = 0x1f;       ///< all five
   static constexpr int kWanted = 8;
   static constexpr int kUntouched = 16;
 
@@ -255,6 +257,8 @@ struct BisectionForest::Emitter {
     const Mask mask = tree.masks[slot(tree, k, x, y)];
     const int h = 1 << (k - 1), c = (2 * x + 1) * h, r = (2 * y + 1) * h;
     const std::uint32_t centre = add(c, r);
+    const auto count = [](int bits) { return std::popcount(static_cast<unsigned>(bits & kVertices)); };
+    vertices += count(mask), unwanted += count(mask & ~(mask >> kWanted));
     std::array<std::uint32_t, 4> middles{};
     for (unsigned side = 0; side < 4; ++side) {
       if ((mask & bit_of(side)) == 0) {
@@ -297,11 +301,13 @@ struct BisectionForest::Emitter {
   LodTileMesh& mesh;
   std::vector<std::uint32_t>& numbers;
   std::vector<std::size_t>& used;
+  int vertices = 0;  ///< of squares: a middle is two squares'
+  int unwanted = 0;  ///< of them
 };
 
 template <class Sees>
-void BisectionForest::append(const LodScene& scene, std::size_t tile, int cull_level, const Sees& sees,
-                             LodMesh& mesh) {
+double BisectionForest::append(const LodScene& scene, std::size_t tile, int cull_level, const Sees& sees,
+                               LodMesh& mesh) {
   Tree& tree = trees_[tile];
   const TileWindow window(scene, scene.tiles[tile]);
   LodTileMesh out{tile, {}, {}};
@@ -321,6 +327,7 @@ void BisectionForest::append(const LodScene& scene, std::size_t tile, int cull_l
     emitter.triangle(corners[1], corners[2], corners[3]);
   }
   if (!out.triangles.empty()) mesh.tiles.push_back(std::move(out));
+  return emitter.vertices == 0 ? 0 : static_cast<double>(emitter.unwanted) / emitter.vertices;
 }
 
 }  // namespace cairn

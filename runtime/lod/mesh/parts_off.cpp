@@ -216,8 +216,8 @@ constexpr float kOfPart = 1.0f / (kSteps * kSteps);
   }
 }
 
-CAIRN_WIDE void look(const FlatTriangle& triangle, const PartRanges::Ranges& ranges,
-                     const PartPicture& picture, double tolerance, double beyond_m, Lanes& lanes) {
+CAIRN_WIDE_512 void look(const FlatTriangle& triangle, const PartRanges::Ranges& ranges,
+                         const PartPicture& picture, double tolerance, double beyond_m, Lanes& lanes) {
   const Narrow t(triangle);
   const auto nearest = static_cast<float>(picture.nearest_m), allowed = static_cast<float>(tolerance);
   PointsAt at;
