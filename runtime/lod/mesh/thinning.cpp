@@ -18,8 +18,8 @@ constexpr int kMostCells = 8;
 /// edge (0.47 instead of SquareErrors' 0.39), over heights of two neighbouring squares.
 constexpr double kAnywhere = 2.5;
 
-/// An Earth's radius that none of its curvatures is above, metres.
-constexpr double kLongest_m = 6.4e6;
+/// No radius of curvature is longer 20 km above the ellipsoid: a²/b at its poles, metres.
+constexpr double kLongest_m = 6.42e6;
 
 /// Cells that rounding may move a triangle's edge by.
 constexpr double kRounding = 1e-6;

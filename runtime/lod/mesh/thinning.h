@@ -91,7 +91,7 @@ class Thinning {
   static double off_at_middle(const Star& star, std::size_t apex);
 
   const Allowance& allowance_;
-  const Surface* surface_ = nullptr;
+  const Surface* surface_ = nullptr;  ///< during thin()
   std::vector<Place> places_;  ///< of the vertices
   /// Of each vertex's corners in triangles, the last; of each corner, the one before it: 3·triangle + 0,
   /// 1, 2.
