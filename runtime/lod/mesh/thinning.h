@@ -92,7 +92,7 @@ class Thinning {
 
   const Allowance& allowance_;
   const Surface* surface_ = nullptr;  ///< during thin()
-  std::vector<Place> places_;  ///< of the vertices
+  std::vector<Place> places_;         ///< of the vertices
   /// Of each vertex's corners in triangles, the last; of each corner, the one before it: 3·triangle + 0,
   /// 1, 2.
   std::vector<std::uint32_t> last_corner_;
