@@ -1,7 +1,7 @@
 #pragma once
 
 // For loops that the compiler can make vectors of: compiled for the baseline CPU and again for AVX2, and
-// chosen between when the program starts. Both give the same bits: no fused multiply-add, no reordering of
+// chosen between when the program starts. All give the same bits: no fused multiply-add, no reordering of
 // floating point. ThreadSanitizer's runtime starts after that choice, which it cannot stand, so under it the
 // baseline runs. CAIRN_WIDE_512 also for AVX-512: for loops over 16 numbers, where that was measured to pay.
 // It does not everywhere.

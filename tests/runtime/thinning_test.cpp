@@ -3,7 +3,8 @@
 #include "runtime/lod/mesh/thinning.h"
 
 #include <algorithm>
-#include <map>
+#include <cmath>
+#include <memory>
 #include <random>
 #include <set>
 
@@ -14,7 +15,6 @@
 
 #include "runtime/lab/watertight.h"
 #include "runtime/lod/mesh/screen.h"
-#include "tests/runtime/lod_scene.h"
 #include "tests/test_pack.h"
 
 namespace cairn::test {
@@ -129,8 +129,7 @@ double most_off_px(const TileWindow& window, const LodTileMesh& mesh, const View
   return most;
 }
 
-/// From beside the area, from above it, or from anywhere; a height of some metres there is about the
-/// tolerance.
+/// From above the area or south of it; a height of some metres there is about the tolerance.
 LodView view_of(const GeoBounds& area, std::mt19937& random) {
   const auto between = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);

@@ -59,7 +59,7 @@ void Thinning::thin(const Surface& surface, LodTileMesh& mesh) {
   Star star;
   for (auto i = static_cast<std::uint32_t>(mesh.vertices.size()); i-- > 0;) {
     if (!is_inside(places_[i]) || !find_star(mesh, i, star)) continue;
-    find_box(star);
+    star.box = box_of(star);
     if (star.box.cells() > kMostCells) continue;
     star.limit = limit_of(star);
     if (const auto apex = apex_for(star)) replace(star, *apex, mesh);
@@ -117,14 +117,15 @@ bool Thinning::find_star(const LodTileMesh& mesh, std::uint32_t vertex, Star& st
   return at == edges[0][0];
 }
 
-void Thinning::find_box(Star& star) const {
+Thinning::Box Thinning::box_of(const Star& star) {
   const Place& m = star.middle;
-  star.box = {m.column, m.row, m.column, m.row};
+  Box box{m.column, m.row, m.column, m.row};
   for (std::size_t i = 0; i < star.count; ++i) {
     const Place& p = star.places[i];
-    star.box = {std::min(star.box.west, p.column), std::min(star.box.south, p.row),
-                std::max(star.box.east, p.column), std::max(star.box.north, p.row)};
+    box = {std::min(box.west, p.column), std::min(box.south, p.row), std::max(box.east, p.column),
+           std::max(box.north, p.row)};
   }
+  return box;
 }
 
 /// A sample that is off by no more than what is allowed is in a sphere around the star, larger by that.

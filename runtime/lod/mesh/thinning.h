@@ -71,7 +71,7 @@ class Thinning {
   void link(const LodTileMesh& mesh, std::size_t triangle);
   bool is_inside(const Place& place) const;
   bool find_star(const LodTileMesh& mesh, std::uint32_t vertex, Star& star) const;
-  void find_box(Star& star) const;
+  static Box box_of(const Star& star);
   double limit_of(const Star& star) const;
   std::optional<std::size_t> apex_for(const Star& star) const;
   bool any_is_off(const Star& star, std::size_t apex) const;
