@@ -363,38 +363,30 @@ class TriangleError::Look {
     return is_below_horizon(std::array{whole.a.place, whole.b.place, whole.c.place}, reach);
   }
 
-  /// Those of the parts that the horizon may not hide.
+  /// Those of the parts that the horizon may not hide. S(h) is linear but for its bends: these are its least
+  /// parts' middles, and within half a diagonal of them the bends differ by no more than twice the largest.
   std::uint32_t above_horizon(const FlatTriangle& triangle, double error_m, std::uint32_t parts) const {
     constexpr int n = PartRanges::kSteps;
     const std::array<glm::dvec3, 3> bends = bends_of(triangle);
-    double most_bent = 0;
-    for (const glm::dvec3& bend : bends) most_bent = std::max(most_bent, glm::length(bend));
-    const double beyond = 2 * most_bent / (n * n) + error_m + surface_.error_m + triangle.slack_m;
+    const auto& [a, b, c] = triangle.corners;
+    const auto& [bulge_a, bulge_b, bulge_c] = triangle.bulges;
+    const glm::dvec3 from = c - bulge_c, p = a - bulge_a - from, q = b - bulge_b - from;
+    const double most_bent = std::max({glm::length(bends[0]), glm::length(bends[1]), glm::length(bends[2])});
+    const double radius = std::max(glm::length(p + q), glm::length(p - q)) / (2 * n) + 2 * most_bent +
+                          error_m + surface_.error_m + triangle.slack_m;
     std::uint32_t above = 0;
     for (int j = 0, part = 0; j < n; ++j) {
       for (int i = 0; i + j < n; ++i, ++part) {
         if ((parts >> part & 1) == 0) continue;
-        const auto at = [&](double u, double v) {
-          return curved_at(triangle, bends, (i + u) / n, (j + v) / n);
-        };
-        const glm::dvec3 middle = at(0.5, 0.5);
-        double radius = 0;
-        for (const glm::dvec3& corner : {at(0, 0), at(1, 0), at(0, 1), at(1, 1)})
-          radius = std::max(radius, glm::length(corner - middle));
+        const double u = (i + 0.5) / n, v = (j + 0.5) / n, w = 1 - u - v;
+        const glm::dvec3 middle =
+            from + u * p + v * q - 4.0 * (u * v * bends[0] + v * w * bends[1] + w * u * bends[2]);
         const glm::dvec3 place = view_.camera_.position + view_.camera_.right * middle.x +
                                  view_.camera_.up * middle.y + view_.camera_.forward * middle.z;
-        if (!view_.horizon_.hides(place, radius + beyond)) above |= 1u << part;
+        if (!view_.horizon_.hides(place, radius)) above |= 1u << part;
       }
     }
     return above;
-  }
-
-  /// S(h), u along p and v along q.
-  static glm::dvec3 curved_at(const FlatTriangle& t, const std::array<glm::dvec3, 3>& bends, double u,
-                              double v) {
-    const double w = 1 - u - v;
-    return u * (t.corners[0] - t.bulges[0]) + v * (t.corners[1] - t.bulges[1]) +
-           w * (t.corners[2] - t.bulges[2]) - 4.0 * (u * v * bends[0] + v * w * bends[1] + w * u * bends[2]);
   }
 
   /// Of places that are so far from these at most, in the camera, and between.
