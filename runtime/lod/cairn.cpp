@@ -11,7 +11,8 @@
 // and the Earth's curvature to be seen from the side. So a triangle is looked into before it is bisected: in
 // ten parts, of each of which is known where its samples lie above and below the triangle (PartRanges), and
 // sample by sample where it is small or few of its parts are in doubt (TriangleError). Squares are bounded
-// only as the mesh comes to have triangles in them.
+// only as the mesh comes to have triangles in them. Where they are small on the picture of a fine tolerance,
+// looking costs more than it saves, and what they ask for is taken.
 //
 // What the hierarchy adds for its own sake, most of all along a step across its grid, is taken out again
 // where it is much of a tile's mesh (Thinning).
@@ -32,9 +33,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 
+#include "runtime/geodesy.h"
 #include "runtime/lod/mesh/allowance.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/conform.h"
@@ -49,6 +52,16 @@
 
 namespace cairn {
 namespace {
+
+/// Tolerances up to a pixel make meshes of small squares. What these want is taken without a look where their
+/// side, in pixels, times the tolerance's square is no more than this: a look would cost more than the
+/// triangles that it saves, which are a tenth in the low flights, for a quarter to a third of the time.
+constexpr double kFine_px = 1;
+constexpr double kTrusted = 32;
+
+/// And where the Earth's curvature, which squares know in the worst direction only, takes no more than this
+/// share of what is allowed.
+constexpr double kChordShare = 0.5;
 
 /// A tile's mesh is thinned out where so much of it is there for the hierarchy's sake. Elsewhere that takes
 /// as long as the rest of the method, or longer.
@@ -90,43 +103,56 @@ class Selection {
     const Allowance::Room room = allowance_.room_of(scale);
     const bool alone = k > SquareErrors::kSphereLevel && !scale.is_small;
     Limits limits;
-    for (int j = k; j >= (alone ? k : 1); --j) {
-      const auto i = static_cast<std::size_t>(j);
-      limits.centre[i] = limit(room, errors_.chord_m(j));
-      limits.middle[i] = limit(room, errors_.chord_m(j) / 2);
-    }
+    for (int j = k; j >= (alone ? k : 1); --j) limits.of(j) = limit(scale, room, j);
     if (!alone) {
       want_within(k, x, y, limits);
       return true;
     }
-    if (errors_.at(k, x, y).below <= limits.centre[static_cast<std::size_t>(k)]) return true;
-    want(k, x, y, limits);
+    if (errors_.at(k, x, y).below <= limits.of(k).centre) return true;
+    want(k, x, y, limits.of(k));
     return false;
   }
 
  private:
+  /// Of a level's squares: what errors they may have.
+  struct Limit {
+    int centre;
+    int middle;
+    bool is_trusted;  ///< what is wanted beyond is taken without a look
+  };
   struct Limits {
-    std::array<int, 16> centre;
-    std::array<int, 16> middle;
+    Limit& of(int k) { return by_level[static_cast<std::size_t>(k)]; }
+    const Limit& of(int k) const { return by_level[static_cast<std::size_t>(k)]; }
+
+    std::array<Limit, 16> by_level;
   };
 
-  int limit(const Allowance::Room& room, double chord_m) const {
-    return round_down(static_cast<float>(Allowance::error_m(room, tile_.error_m, chord_m)));
+  Limit limit(const Allowance::Scale& scale, const Allowance::Room& room, int k) const {
+    const double chord_m = errors_.chord_m(k);
+    const auto code = [&](double chord) {
+      return round_down(static_cast<float>(Allowance::error_m(room, tile_.error_m, chord)));
+    };
+    const double side_m = std::ldexp(errors_.cell_radians(), k) * kEquatorialRadius;
+    const double tolerance_px = allowance_.tolerance_px();
+    return {code(chord_m), code(chord_m / 2),
+            tolerance_px <= kFine_px &&
+                side_m * scale.any_px * tolerance_px * tolerance_px <= kTrusted * scale.depth_m &&
+                chord_m * room.per_chord <= kChordShare * room.all_m};
   }
 
   void want_within(int k, int x, int y, const Limits& limits) const {
-    if (errors_.at(k, x, y).below <= limits.centre[static_cast<std::size_t>(k)]) return;
-    want(k, x, y, limits);
+    if (errors_.at(k, x, y).below <= limits.of(k).centre) return;
+    want(k, x, y, limits.of(k));
     for (int q = 0; k > 1 && q < 4; ++q) want_within(k - 1, 2 * x + (q & 1), 2 * y + (q >> 1), limits);
   }
 
-  void want(int k, int x, int y, const Limits& limits) const {
+  void want(int k, int x, int y, const Limit& limit) const {
     const SquareError& square = errors_.at(k, x, y);
     const int column = x - (column_ >> k), row = y - (row_ >> k);
-    if (square.centre > limits.centre[static_cast<std::size_t>(k)])
-      forest_.want_centre(number_, k, column, row);
+    if (limit.is_trusted) forest_.trust(number_, k, column, row);
+    if (square.centre > limit.centre) forest_.want_centre(number_, k, column, row);
     for (unsigned side = 0; side < 4; ++side) {
-      if (square.middles[side] > limits.middle[static_cast<std::size_t>(k)])
+      if (square.middles[side] > limit.middle)
         forest_.want_middle(number_, k, column, row, static_cast<BisectionForest::Side>(side));
     }
   }

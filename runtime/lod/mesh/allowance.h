@@ -24,6 +24,8 @@ class Allowance {
   /// `lowest_m`: of the scene; what the ellipsoid there hides is not in the picture.
   Allowance(const LodView& view, double lowest_m);
 
+  double tolerance_px() const { return tolerance_px_; }
+
   /// How displacements become pixels over some part of the picture: δ by px·δ/(depth − δ) at most.
   struct Scale {
     double depth_m = 0;      ///< along the view, or less; 0 or below: it may come beside the eye

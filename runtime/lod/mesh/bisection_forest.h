@@ -49,11 +49,17 @@ class BisectionForest {
   /// vertex is not needed. REQUIRES: as for the above.
   void want_centre(std::size_t tile, int k, int x, int y) { want(tile, k, x, y, kCentre); }
   void want_middle(std::size_t tile, int k, int x, int y, Side side) { want(tile, k, x, y, bit_of(side)); }
+  /// Says that what the square wants needs no confirming. REQUIRES: as for the above.
+  void trust(std::size_t tile, int k, int x, int y) {
+    Tree& tree = trees_[tile];
+    tree.masks[slot(tree, k, x, y)] |= kTrusted;
+  }
   /// Ends a mesh: adds the corners that tiles have on their neighbours' borders, as far as these have samples
   /// there, then what is wanted of the mesh's triangles until none wants to be bisected. `select(tile, k, x,
   /// y)` is asked once for each square that the mesh comes to have triangles in, the larger ones first: it
   /// wants what it wants of the square and, if it says true, of all within, which are not asked for then.
-  /// `confirms(tile, triangle)` is asked last, once for each triangle that wants to be bisected.
+  /// `confirms(tile, triangle)` is asked last, once for each triangle that wants to be bisected, unless its
+  /// square is trusted.
   template <class Select, class Confirms>
   void settle(const Select& select, const Confirms& confirms);
   /// The same with nothing wanted.
@@ -73,6 +79,7 @@ class BisectionForest {
   using Mask = std::uint16_t;
   static constexpr Mask kCentre = 1;
   static constexpr Mask bit_of(unsigned side) { return static_cast<Mask>(2u << side); }
+  static constexpr Mask kTrusted = 1 << 5;      ///< what it wants needs no confirming
   static constexpr Mask kSelected = 1 << 6;     ///< the square's vertices are wanted, or not
   static constexpr Mask kAllSelected = 1 << 7;  ///< those within it, too
   static constexpr Mask kVertices = 0x1f;       ///< all five
@@ -189,12 +196,14 @@ void BisectionForest::bisect_at_edges(const Open& centre, const Select& select, 
   const auto [tile, k, x, y, vertex] = centre;
   select_once(tile, k, x, y, select);
   const std::size_t at = slot(trees_[tile], k, x, y);
+  const Mask first = trees_[tile].masks[at];
+  if ((first >> kWanted & ~first & kVertices) == 0) return;
   const std::array<Corner, 4> corners = corners_of(k, x, y);
   const Corner middle = middle_of(corners[0], corners[2]);
   for (unsigned side = 0; side < 4; ++side) {
     const Mask mask = trees_[tile].masks[at];
     if ((mask >> kWanted & ~mask & bit_of(side)) == 0) continue;
-    if (confirms(tile, Triangle{corners[side], corners[(side + 1) % 4], middle}))
+    if ((mask & kTrusted) != 0 || confirms(tile, Triangle{corners[side], corners[(side + 1) % 4], middle}))
       enable_middle(tile, k, x, y, static_cast<Side>(side));
   }
 }
@@ -213,7 +222,7 @@ void BisectionForest::bisect_beside(const Open& middle, const Select& select, co
     const Mask mask = trees_[tile].masks[slot(trees_[tile], k - 1, cx, cy)];
     if ((mask >> kWanted & ~mask & kCentre) == 0) continue;
     const Triangle half = q == side ? Triangle{centre, corners[q], at} : Triangle{corners[q], centre, at};
-    if (confirms(tile, half)) enable_centre(tile, k - 1, cx, cy);
+    if ((mask & kTrusted) != 0 || confirms(tile, half)) enable_centre(tile, k - 1, cx, cy);
   }
 }
 
