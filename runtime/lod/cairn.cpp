@@ -55,7 +55,7 @@ namespace {
 
 /// Tolerances up to a pixel make meshes of small squares. What these want is taken without a look where their
 /// side, in pixels, times the tolerance's square is no more than this: a look would cost more than the
-/// triangles that it saves, which are a tenth in the low flights, for a quarter to a third of the time.
+/// triangles that it saves, which are 2 to 15 % in the low flights, for 8 to 33 % of the time.
 constexpr double kFine_px = 1;
 constexpr double kTrusted = 32;
 
