@@ -363,8 +363,8 @@ class TriangleError::Look {
     return is_below_horizon(std::array{whole.a.place, whole.b.place, whole.c.place}, reach);
   }
 
-  /// Those of the parts that the horizon may not hide. S(h) is linear but for its bends: these are its least
-  /// parts' middles, and within half a diagonal of them the bends differ by no more than twice the largest.
+  /// Those of the parts that the horizon may not hide: each in a sphere around its middle. S(h) is linear but
+  /// for its bends, which anywhere in a part differ from those at its middle by twice the largest at most.
   std::uint32_t above_horizon(const FlatTriangle& triangle, double error_m, std::uint32_t parts) const {
     constexpr int n = PartRanges::kSteps;
     const std::array<glm::dvec3, 3> bends = bends_of(triangle);
