@@ -33,7 +33,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -132,12 +131,15 @@ class Selection {
     const auto code = [&](double chord) {
       return round_down(static_cast<float>(Allowance::error_m(room, tile_.error_m, chord)));
     };
-    const double side_m = std::ldexp(errors_.cell_radians(), k) * kEquatorialRadius;
-    const double tolerance_px = allowance_.tolerance_px();
     return {code(chord_m), code(chord_m / 2),
-            tolerance_px <= kFine_px &&
-                side_m * scale.any_px * tolerance_px * tolerance_px <= kTrusted * scale.depth_m &&
-                chord_m * room.per_chord <= kChordShare * room.all_m};
+            is_small(scale, k) && chord_m * room.per_chord <= kChordShare * room.all_m};
+  }
+
+  bool is_small(const Allowance::Scale& scale, int k) const {
+    const double tolerance_px = allowance_.tolerance_px();
+    if (tolerance_px > kFine_px) return false;
+    const double side_m = (1 << k) * errors_.cell_radians() * kEquatorialRadius;
+    return side_m * scale.any_px * tolerance_px * tolerance_px <= kTrusted * scale.depth_m;
   }
 
   void want_within(int k, int x, int y, const Limits& limits) const {

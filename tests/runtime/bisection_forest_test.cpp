@@ -83,4 +83,26 @@ TEST_CASE("what a trusted square wants is taken unasked, but only of triangles t
   CHECK(run(kLevels - 1, true) == 1);
 }
 
+TEST_CASE("a mesh begins without what squares of the one before were trusted with") {
+  const LodScene scene = flat_tile();
+  BisectionForest forest;
+  forest.prepare(scene);
+  const auto asked_when = [&](const auto& select) {
+    int asked = 0;
+    forest.begin();
+    forest.settle(select, [&](std::size_t, const BisectionForest::Triangle&) { return ++asked, true; });
+    return asked;
+  };
+  CHECK(asked_when([&](std::size_t tile, int, int, int) {
+          forest.trust(tile, kLevels - 1, 0, 0);
+          return true;
+        }) == 0);
+  CHECK(asked_when([&](std::size_t tile, int k, int x, int y) {
+          forest.want_centre(tile, k, x, y);
+          forest.want_middle(tile, k, x, y, BisectionForest::south);
+          forest.want_centre(tile, k - 1, x, y);
+          return true;
+        }) == 2);
+}
+
 }  // namespace cairn::test

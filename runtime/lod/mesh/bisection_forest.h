@@ -47,13 +47,12 @@ class BisectionForest {
   /// Says that a triangle of this square is not to stay as it is: one that would be bisected at the vertex.
   /// settle() adds the vertex if the mesh comes to have that triangle; where a larger triangle does, the
   /// vertex is not needed. REQUIRES: as for the above.
-  void want_centre(std::size_t tile, int k, int x, int y) { want(tile, k, x, y, kCentre); }
-  void want_middle(std::size_t tile, int k, int x, int y, Side side) { want(tile, k, x, y, bit_of(side)); }
-  /// Says that what the square wants needs no confirming. REQUIRES: as for the above.
-  void trust(std::size_t tile, int k, int x, int y) {
-    Tree& tree = trees_[tile];
-    tree.masks[slot(tree, k, x, y)] |= kTrusted;
+  void want_centre(std::size_t tile, int k, int x, int y) { mark(tile, k, x, y, kCentre << kWanted); }
+  void want_middle(std::size_t tile, int k, int x, int y, Side side) {
+    mark(tile, k, x, y, static_cast<Mask>(bit_of(side) << kWanted));
   }
+  /// Says that what the square wants needs no confirming. REQUIRES: as for the above.
+  void trust(std::size_t tile, int k, int x, int y) { mark(tile, k, x, y, kTrusted); }
   /// Ends a mesh: adds the corners that tiles have on their neighbours' borders, as far as these have samples
   /// there, then what is wanted of the mesh's triangles until none wants to be bisected. `select(tile, k, x,
   /// y)` is asked once for each square that the mesh comes to have triangles in, the larger ones first: it
@@ -116,9 +115,9 @@ class BisectionForest {
            static_cast<std::size_t>(x);
   }
   void find_neighbours(const LodScene& scene);
-  void want(std::size_t tile, int k, int x, int y, Mask vertex) {
+  void mark(std::size_t tile, int k, int x, int y, Mask bits) {
     Tree& tree = trees_[tile];
-    tree.masks[slot(tree, k, x, y)] |= static_cast<Mask>(vertex << kWanted);
+    tree.masks[slot(tree, k, x, y)] |= bits;
     tree.finest = std::min(tree.finest, k);
   }
   void open(const Open& square) {
