@@ -195,8 +195,6 @@ void BisectionForest::bisect_at_edges(const Open& centre, const Select& select, 
   const auto [tile, k, x, y, vertex] = centre;
   select_once(tile, k, x, y, select);
   const std::size_t at = slot(trees_[tile], k, x, y);
-  const Mask first = trees_[tile].masks[at];
-  if ((first >> kWanted & ~first & kVertices) == 0) return;
   const std::array<Corner, 4> corners = corners_of(k, x, y);
   const Corner middle = middle_of(corners[0], corners[2]);
   for (unsigned side = 0; side < 4; ++side) {
