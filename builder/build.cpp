@@ -6,15 +6,15 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include "builder/bake/fingerprint.h"
+#include "builder/bake/layer_bake.h"
+#include "builder/bake/memory_budget.h"
+#include "builder/bake/resume.h"
 #include "builder/build_metadata.h"
-#include "builder/fingerprint.h"
-#include "builder/height_layer.h"
-#include "builder/imagery_layer.h"
-#include "builder/layer_bake.h"
-#include "builder/memory_budget.h"
+#include "builder/heights/height_layer.h"
+#include "builder/heights/rqt_layer.h"
+#include "builder/imagery/imagery_layer.h"
 #include "builder/pack_layers.h"
-#include "builder/resume.h"
-#include "builder/rqt_layer.h"
 #include "builder/trial.h"
 #include "format/pack_writer.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "builder/build_options.h"
-#include "builder/progress.h"
+#include "builder/bake/progress.h"
+#include "builder/options/build_options.h"
 #include "format/status.h"
 
 namespace cairn {

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "builder/fingerprint.h"
-#include "builder/rqt_layer.h"
-#include "builder/texture_tile_bake.h"
+#include "builder/bake/fingerprint.h"
+#include "builder/heights/rqt_layer.h"
+#include "builder/imagery/texture_tile_bake.h"
 
 namespace cairn {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "builder/build_options.h"
-#include "builder/height_layer.h"
+#include "builder/heights/height_layer.h"
+#include "builder/options/build_options.h"
 #include "builder/pack_layers.h"
 #include "format/pack_layout.h"
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "builder/footprint.h"
-#include "builder/memory_budget.h"
+#include "builder/bake/memory_budget.h"
+#include "builder/raster/footprint.h"
 
 namespace cairn {
 namespace {

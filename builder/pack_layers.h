@@ -3,11 +3,11 @@
 #include <memory>
 #include <optional>
 
-#include "builder/build_options.h"
-#include "builder/build_plan.h"
-#include "builder/imagery_mosaic.h"
-#include "builder/mosaic.h"
-#include "builder/tile_tree.h"
+#include "builder/bake/tile_tree.h"
+#include "builder/heights/build_plan.h"
+#include "builder/imagery/imagery_mosaic.h"
+#include "builder/mosaic/mosaic.h"
+#include "builder/options/build_options.h"
 
 namespace cairn {
 

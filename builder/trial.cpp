@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "builder/leaf.h"
+#include "builder/heights/leaf.h"
 #include "format/codec.h"
 #include "format/height_block.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "builder/build.h"
-#include "builder/build_plan.h"
-#include "builder/mosaic.h"
+#include "builder/heights/build_plan.h"
+#include "builder/mosaic/mosaic.h"
 
 namespace cairn {
 

@@ -7,12 +7,12 @@
 
 #include <glm/geometric.hpp>
 
-#include "runtime/eye_tile.h"
-#include "runtime/geodesy.h"
-#include "runtime/ground_height.h"
-#include "runtime/motion.h"
-#include "runtime/pack_contents.h"
-#include "runtime/pager.h"
+#include "runtime/paging/pack_contents.h"
+#include "runtime/paging/pager.h"
+#include "runtime/scene/eye_tile.h"
+#include "runtime/view/geodesy.h"
+#include "runtime/view/ground_height.h"
+#include "runtime/view/motion.h"
 
 namespace cairn {
 namespace {

@@ -8,10 +8,10 @@
 
 #include "format/pack_reader.h"
 #include "format/status.h"
+#include "runtime/paging/tile_loader.h"
 #include "runtime/render_list.h"
-#include "runtime/scene_map.h"
-#include "runtime/tile_loader.h"
-#include "runtime/view_state.h"
+#include "runtime/scene/scene_map.h"
+#include "runtime/view/view_state.h"
 
 namespace cairn {
 

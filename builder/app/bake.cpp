@@ -10,9 +10,9 @@
 #include "builder/app/bake_report.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
+#include "builder/bake/memory_budget.h"
 #include "builder/build.h"
-#include "builder/memory_budget.h"
-#include "builder/raster_source.h"
+#include "builder/raster/raster_source.h"
 
 namespace cairn {
 namespace {

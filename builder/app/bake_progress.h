@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "builder/progress.h"
+#include "builder/bake/progress.h"
 
 namespace cairn {
 

@@ -6,8 +6,8 @@
 
 #include "builder/app/pack_description.h"
 #include "builder/app/pack_metadata.h"
-#include "builder/fingerprint.h"
-#include "builder/memory_budget.h"
+#include "builder/bake/fingerprint.h"
+#include "builder/bake/memory_budget.h"
 
 namespace cairn {
 namespace {

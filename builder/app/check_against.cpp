@@ -7,8 +7,8 @@
 #include <tbb/task_arena.h>
 
 #include "builder/app/pack_metadata.h"
-#include "builder/raster_source.h"
-#include "builder/verify_sources.h"
+#include "builder/heights/verify_sources.h"
+#include "builder/raster/raster_source.h"
 
 namespace cairn {
 namespace {

@@ -13,8 +13,8 @@
 
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
-#include "builder/height_image.h"
-#include "builder/texture_file.h"
+#include "builder/export/height_image.h"
+#include "builder/export/texture_file.h"
 #include "format/pack_reader.h"
 
 namespace cairn {

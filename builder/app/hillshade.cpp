@@ -14,8 +14,8 @@
 #include "builder/app/pack_metadata.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
-#include "builder/picture_file.h"
-#include "builder/relief.h"
+#include "builder/export/picture_file.h"
+#include "builder/export/relief.h"
 #include "format/pack_sampler.h"
 
 namespace cairn {

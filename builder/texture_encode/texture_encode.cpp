@@ -1,4 +1,4 @@
-#include "builder/texture_encode.h"
+#include "builder/texture_encode/texture_encode.h"
 
 #include <algorithm>
 #include <array>

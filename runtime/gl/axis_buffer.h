@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/gl/axis_table.h"
 #include "runtime/gl/gl_handle.h"
 #include "runtime/gl/slot_pool.h"
+#include "runtime/surface/axis_table.h"
 
 namespace cairn::gl {
 

@@ -4,8 +4,8 @@
 
 #include "runtime/gl/axis_buffer.h"
 #include "runtime/gl/grid_indices.h"
-#include "runtime/gl/mesh_plan.h"
 #include "runtime/gl/patch_records.h"
+#include "runtime/surface/mesh_plan.h"
 
 namespace cairn::gl {
 

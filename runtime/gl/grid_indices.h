@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "runtime/gl/gl_handle.h"
-#include "runtime/gl/surface_tile.h"
+#include "runtime/surface/surface_tile.h"
 
 namespace cairn::gl {
 

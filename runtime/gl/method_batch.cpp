@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "runtime/geodesy.h"
+#include "runtime/view/geodesy.h"
 
 namespace cairn::gl {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "runtime/gl/gl_handle.h"
 #include "runtime/gl/patch_records.h"
-#include "runtime/lod_method.h"
+#include "runtime/lod/lod_method.h"
 
 namespace cairn::gl {
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "runtime/gl/mesh_plan.h"
-#include "runtime/gl/shown_tiles.h"
-#include "runtime/lod_method.h"
+#include "runtime/lod/lod_method.h"
+#include "runtime/surface/mesh_plan.h"
+#include "runtime/surface/shown_tiles.h"
 
 namespace cairn::gl {
 

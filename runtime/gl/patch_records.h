@@ -9,9 +9,9 @@
 #include <glm/vec4.hpp>
 
 #include "runtime/gl/axis_buffer.h"
-#include "runtime/gl/mesh_plan.h"
 #include "runtime/gl/resident_tiles.h"
-#include "runtime/gl/shown_tiles.h"
+#include "runtime/surface/mesh_plan.h"
+#include "runtime/surface/shown_tiles.h"
 
 namespace cairn::gl {
 

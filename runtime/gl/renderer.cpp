@@ -6,17 +6,17 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "runtime/gl/axis_buffer.h"
-#include "runtime/gl/drawn_ground.h"
 #include "runtime/gl/grid_batch.h"
-#include "runtime/gl/mesh_plan.h"
 #include "runtime/gl/method_batch.h"
 #include "runtime/gl/method_scene.h"
 #include "runtime/gl/patch_records.h"
 #include "runtime/gl/resident_tiles.h"
 #include "runtime/gl/shader_program.h"
-#include "runtime/gl/shown_tiles.h"
 #include "runtime/gl/thread_clock.h"
 #include "runtime/gl/wall_batch.h"
+#include "runtime/surface/drawn_ground.h"
+#include "runtime/surface/mesh_plan.h"
+#include "runtime/surface/shown_tiles.h"
 
 namespace cairn::gl {
 namespace {

@@ -8,11 +8,11 @@
 #include <glm/vec3.hpp>
 
 #include "format/status.h"
-#include "runtime/gl/height_upload.h"
 #include "runtime/gl/view_transform.h"
-#include "runtime/lod_method.h"
+#include "runtime/lod/lod_method.h"
 #include "runtime/render_list.h"
-#include "runtime/view_state.h"
+#include "runtime/surface/height_upload.h"
+#include "runtime/view/view_state.h"
 
 namespace cairn::gl {
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "format/status.h"
-#include "runtime/gl/height_upload.h"
-#include "runtime/gl/shown_tiles.h"
 #include "runtime/gl/tile_textures.h"
 #include "runtime/render_list.h"
+#include "runtime/surface/height_upload.h"
+#include "runtime/surface/shown_tiles.h"
 
 namespace cairn::gl {
 

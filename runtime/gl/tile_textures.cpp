@@ -5,7 +5,7 @@
 #include <cassert>
 #include <string_view>
 
-#include "runtime/gl/normal_map.h"
+#include "runtime/surface/normal_map.h"
 
 namespace cairn::gl {
 namespace {

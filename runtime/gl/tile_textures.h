@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "format/texture_tile.h"
-#include "runtime/gl/height_upload.h"
 #include "runtime/gl/layer_array.h"
 #include "runtime/gl/slot_pool.h"
+#include "runtime/surface/height_upload.h"
 
 namespace cairn::gl {
 

@@ -6,7 +6,7 @@
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "runtime/geodesy.h"
+#include "runtime/view/geodesy.h"
 
 namespace cairn::gl {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "runtime/gl/gl_handle.h"
-#include "runtime/gl/mesh_plan.h"
+#include "runtime/surface/mesh_plan.h"
 
 namespace cairn::gl {
 

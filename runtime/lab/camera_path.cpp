@@ -7,7 +7,7 @@
 
 #include <glm/trigonometric.hpp>
 
-#include "runtime/viewer/flight.h"
+#include "runtime/flight/flight.h"
 
 namespace cairn {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "format/status.h"
 #include "runtime/lab/lab_terrain.h"
-#include "runtime/view_state.h"
+#include "runtime/view/view_state.h"
 
 namespace cairn {
 

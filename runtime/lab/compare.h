@@ -11,7 +11,7 @@
 #include "runtime/lab/lab_terrain.h"
 #include "runtime/lab/screen_error.h"
 #include "runtime/lab/watertight.h"
-#include "runtime/lod_method.h"
+#include "runtime/lod/lod_method.h"
 
 namespace cairn {
 

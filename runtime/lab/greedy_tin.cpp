@@ -9,12 +9,12 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "runtime/horizon.h"
 #include "runtime/lab/delaunay.h"
-#include "runtime/lattice.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/screen.h"
-#include "runtime/visible_set.h"
+#include "runtime/view/horizon.h"
+#include "runtime/view/lattice.h"
+#include "runtime/view/visible_set.h"
 
 namespace cairn {
 namespace {

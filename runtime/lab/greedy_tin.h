@@ -8,9 +8,9 @@
 
 #include "format/status.h"
 #include "runtime/lab/lab_terrain.h"
-#include "runtime/lattice.h"
-#include "runtime/lod_method.h"
-#include "runtime/view_state.h"
+#include "runtime/lod/lod_method.h"
+#include "runtime/view/lattice.h"
+#include "runtime/view/view_state.h"
 
 namespace cairn {
 

@@ -7,9 +7,9 @@
 #include <glm/geometric.hpp>
 
 #include "format/tile_edges.h"
-#include "runtime/ground_height.h"
 #include "runtime/lod/mesh/screen.h"
-#include "runtime/visible_set.h"
+#include "runtime/view/ground_height.h"
+#include "runtime/view/visible_set.h"
 
 namespace cairn {
 namespace {

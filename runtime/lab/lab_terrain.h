@@ -8,11 +8,11 @@
 
 #include "format/pack_reader.h"
 #include "format/status.h"
-#include "runtime/bounding_volume.h"
-#include "runtime/eye_tile.h"
-#include "runtime/lod_method.h"
-#include "runtime/pack_contents.h"
-#include "runtime/scene_map.h"
+#include "runtime/lod/lod_method.h"
+#include "runtime/paging/pack_contents.h"
+#include "runtime/scene/eye_tile.h"
+#include "runtime/scene/scene_map.h"
+#include "runtime/view/bounding_volume.h"
 
 namespace cairn {
 

@@ -9,12 +9,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "runtime/flight/options.h"
 #include "runtime/lab/camera_path.h"
 #include "runtime/lab/compare.h"
 #include "runtime/lab/draw_charts.h"
 #include "runtime/lab/mesh_file.h"
 #include "runtime/lab/report.h"
-#include "runtime/viewer/options.h"
 
 namespace cairn {
 namespace {

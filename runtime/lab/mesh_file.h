@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "format/status.h"
-#include "runtime/lod_method.h"
+#include "runtime/lod/lod_method.h"
 
 namespace cairn {
 

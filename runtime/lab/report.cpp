@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "runtime/frame_stats.h"
+#include "runtime/paging/frame_stats.h"
 
 namespace cairn {
 namespace {

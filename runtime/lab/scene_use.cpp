@@ -2,10 +2,10 @@
 
 #include <map>
 
-#include "runtime/loaded_tile.h"
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/lod/mesh/tile_window.h"
-#include "runtime/visible_set.h"
+#include "runtime/paging/loaded_tile.h"
+#include "runtime/view/visible_set.h"
 
 namespace cairn {
 namespace {

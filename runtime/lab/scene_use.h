@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "runtime/lab/lab_terrain.h"
-#include "runtime/lod_method.h"
+#include "runtime/lod/lod_method.h"
 
 namespace cairn {
 

@@ -6,10 +6,10 @@
 
 #include <glm/geometric.hpp>
 
-#include "runtime/horizon.h"
 #include "runtime/lab/parallel.h"
 #include "runtime/lod/mesh/grid_positions.h"
-#include "runtime/visible_set.h"
+#include "runtime/view/horizon.h"
+#include "runtime/view/visible_set.h"
 
 namespace cairn {
 namespace {

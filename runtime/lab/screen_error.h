@@ -9,8 +9,8 @@
 
 #include "format/status.h"
 #include "runtime/lab/lab_terrain.h"
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/screen.h"
-#include "runtime/lod_method.h"
 
 namespace cairn {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "runtime/lod_method.h"
+#include "runtime/lod/lod_method.h"
 
 namespace cairn {
 

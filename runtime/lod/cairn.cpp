@@ -36,7 +36,6 @@
 #include <memory>
 #include <optional>
 
-#include "runtime/geodesy.h"
 #include "runtime/lod/mesh/allowance.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/conform.h"
@@ -48,6 +47,7 @@
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/triangle_error.h"
+#include "runtime/view/geodesy.h"
 
 namespace cairn {
 namespace {

@@ -24,7 +24,6 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "runtime/geodesy.h"
 #include "runtime/lod/mesh/conform.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/grid_positions.h"
@@ -32,6 +31,7 @@
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_numbers.h"
+#include "runtime/view/geodesy.h"
 
 namespace cairn {
 namespace {

@@ -23,7 +23,6 @@
 
 #include "format/rqt_block.h"
 #include "format/rqt_triangulate.h"
-#include "runtime/geodesy.h"
 #include "runtime/lod/mesh/allowance.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/conform.h"
@@ -32,7 +31,8 @@
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_errors.h"
-#include "runtime/visible_set.h"
+#include "runtime/view/geodesy.h"
+#include "runtime/view/visible_set.h"
 
 namespace cairn {
 namespace {

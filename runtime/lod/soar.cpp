@@ -23,7 +23,6 @@
 #include <glm/geometric.hpp>
 
 #include "format/rqt_steps.h"
-#include "runtime/geodesy.h"
 #include "runtime/lod/mesh/allowance.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/conform.h"
@@ -35,6 +34,7 @@
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_errors.h"
 #include "runtime/lod/mesh/vertex_numbers.h"
+#include "runtime/view/geodesy.h"
 
 namespace cairn {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "runtime/scene_map.h"
+#include "runtime/scene/scene_map.h"
 #include "runtime/stats/walk.h"
 
 namespace cairn {

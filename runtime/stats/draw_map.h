@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "runtime/scene_map.h"
+#include "runtime/scene/scene_map.h"
 
 namespace cairn {
 

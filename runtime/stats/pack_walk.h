@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "format/pack_reader.h"
+#include "runtime/paging/tile_loader.h"
 #include "runtime/stats/block_count.h"
 #include "runtime/stats/report.h"
-#include "runtime/tile_loader.h"
 
 namespace cairn {
 

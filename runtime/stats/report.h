@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/frame_stats.h"
+#include "runtime/paging/frame_stats.h"
 #include "runtime/stats/block_count.h"
 
 namespace cairn {

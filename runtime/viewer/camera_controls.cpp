@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "runtime/geodesy.h"
+#include "runtime/view/geodesy.h"
 
 namespace cairn::viewer {
 namespace {

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "format/status.h"
-#include "runtime/viewer/options.h"
+#include "runtime/flight/options.h"
 
 struct GLFWwindow;
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "runtime/viewer/flight.h"
+#include "runtime/flight/flight.h"
 
 namespace cairn::viewer {
 

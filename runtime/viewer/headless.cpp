@@ -7,10 +7,10 @@
 #include <sstream>
 #include <thread>
 
-#include "runtime/frame_stats.h"
+#include "runtime/flight/flight.h"
 #include "runtime/gl/headless_context.h"
 #include "runtime/gl/thread_clock.h"
-#include "runtime/viewer/flight.h"
+#include "runtime/paging/frame_stats.h"
 #include "runtime/viewer/png_file.h"
 #include "runtime/viewer/scene.h"
 #include "runtime/viewer/video_pipe.h"

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "runtime/frame_stats.h"
 #include "runtime/gl/renderer.h"
+#include "runtime/paging/frame_stats.h"
 #include "runtime/render_list.h"
 
 namespace cairn::viewer {

@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "runtime/gl/drawn_ground.h"
+#include "runtime/surface/drawn_ground.h"
 
 namespace cairn::viewer {
 namespace {

@@ -5,10 +5,10 @@
 
 #include "format/pack_reader.h"
 #include "format/status.h"
+#include "runtime/flight/options.h"
 #include "runtime/gl/frame_target.h"
 #include "runtime/gl/renderer.h"
 #include "runtime/terrain.h"
-#include "runtime/viewer/options.h"
 
 namespace cairn::viewer {
 

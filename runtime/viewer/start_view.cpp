@@ -5,7 +5,7 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "runtime/geodesy.h"
+#include "runtime/view/geodesy.h"
 #include "runtime/viewer/scene.h"
 
 namespace cairn::viewer {

@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 #include <tiffio.h>
 
-#include "tests/bench/synthetic_relief.h"
+#include "tests/support/synthetic_relief.h"
 
 namespace {
 

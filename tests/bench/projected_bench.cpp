@@ -13,9 +13,9 @@
 
 #include <fmt/format.h>
 
-#include "builder/raster_source.h"
-#include "builder/resample_projected.h"
-#include "builder/void_fill.h"
+#include "builder/raster/raster_source.h"
+#include "builder/resample/resample_projected.h"
+#include "builder/voids/void_fill.h"
 
 namespace {
 

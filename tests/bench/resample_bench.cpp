@@ -11,9 +11,9 @@
 
 #include <fmt/format.h>
 
-#include "builder/raster_source.h"
-#include "builder/resample.h"
-#include "builder/void_fill.h"
+#include "builder/raster/raster_source.h"
+#include "builder/resample/resample.h"
+#include "builder/voids/void_fill.h"
 
 namespace {
 

@@ -10,7 +10,7 @@
 
 #include <time.h>
 
-#include "runtime/pack_contents.h"
+#include "runtime/paging/pack_contents.h"
 #include "runtime/stats/block_count.h"
 #include "runtime/stats/pack_walk.h"
 #include "runtime/terrain.h"

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <time.h>
 
-#include "builder/raster_source.h"
+#include "builder/raster/raster_source.h"
 
 namespace {
 

@@ -17,8 +17,8 @@
 #include <squish.h>
 #include <time.h>
 
-#include "builder/texture_encode.h"
-#include "tests/builder/test_image.h"
+#include "builder/texture_encode/texture_encode.h"
+#include "tests/support/test_image.h"
 
 #define STB_DXT_IMPLEMENTATION
 #include <stb/stb_dxt.h>

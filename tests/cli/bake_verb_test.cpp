@@ -12,9 +12,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/cli/run_program.h"
-#include "tests/test_data.h"
-#include "tests/test_pack.h"
+#include "tests/support/run_program.h"
+#include "tests/support/test_data.h"
+#include "tests/support/test_pack.h"
 
 namespace cairn {
 namespace {

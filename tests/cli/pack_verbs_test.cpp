@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "format/pack_writer.h"
-#include "tests/cli/run_program.h"
-#include "tests/test_data.h"
-#include "tests/test_pack.h"
+#include "tests/support/run_program.h"
+#include "tests/support/test_data.h"
+#include "tests/support/test_pack.h"
 
 namespace cairn {
 namespace {

@@ -9,9 +9,9 @@
 #include <catch2/catch.hpp>
 
 #include "format/pack_reader.h"
-#include "tests/cli/run_program.h"
-#include "tests/test_data.h"
-#include "tests/test_pack.h"
+#include "tests/support/run_program.h"
+#include "tests/support/test_data.h"
+#include "tests/support/test_pack.h"
 
 namespace cairn::test {
 namespace {

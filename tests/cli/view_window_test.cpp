@@ -6,9 +6,9 @@
 #include <catch2/catch.hpp>
 #include <sys/wait.h>
 
-#include "tests/cli/run_program.h"
-#include "tests/test_data.h"
-#include "tests/test_pack.h"
+#include "tests/support/run_program.h"
+#include "tests/support/test_data.h"
+#include "tests/support/test_pack.h"
 
 namespace cairn::test {
 

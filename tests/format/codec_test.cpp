@@ -11,7 +11,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/test_data.h"
+#include "tests/support/test_data.h"
 
 namespace {
 

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/test_pack.h"
+#include "tests/support/test_pack.h"
 
 namespace cairn {
 namespace {

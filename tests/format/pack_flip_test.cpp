@@ -7,8 +7,8 @@
 
 #include "format/pack_reader.h"
 #include "format/pack_verify.h"
-#include "tests/test_data.h"
-#include "tests/test_pack.h"
+#include "tests/support/test_data.h"
+#include "tests/support/test_pack.h"
 
 namespace cairn {
 namespace {

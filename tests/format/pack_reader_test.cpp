@@ -7,8 +7,8 @@
 #include <catch2/catch.hpp>
 
 #include "format/pack_writer.h"
-#include "tests/test_data.h"
-#include "tests/test_pack.h"
+#include "tests/support/test_data.h"
+#include "tests/support/test_pack.h"
 
 namespace cairn {
 namespace {

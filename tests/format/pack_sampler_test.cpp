@@ -5,8 +5,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/test_data.h"
-#include "tests/test_pack.h"
+#include "tests/support/test_data.h"
+#include "tests/support/test_pack.h"
 
 namespace cairn {
 namespace {

@@ -11,8 +11,8 @@
 #include "format/pack_reader.h"
 #include "format/pack_writer.h"
 #include "format/texture_tile.h"
-#include "tests/test_data.h"
-#include "tests/test_pack.h"
+#include "tests/support/test_data.h"
+#include "tests/support/test_pack.h"
 
 namespace cairn {
 namespace {

@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "format/pack_reader.h"
-#include "tests/test_data.h"
-#include "tests/test_pack.h"
+#include "tests/support/test_data.h"
+#include "tests/support/test_pack.h"
 
 namespace cairn {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/builder/dem_files.h"
-#include "tests/fuzz/fuzz.h"
-#include "tests/fuzz/raster_fuzz.h"
+#include "tests/support/dem_files.h"
+#include "tests/support/fuzz.h"
+#include "tests/support/raster_fuzz.h"
 
 namespace cairn::test {
 namespace {

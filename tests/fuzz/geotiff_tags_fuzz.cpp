@@ -3,11 +3,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "builder/geotiff_tags.h"
-#include "tests/builder/dem_files.h"
-#include "tests/fuzz/fuzz.h"
-#include "tests/fuzz/raster_fuzz.h"
-#include "tests/test_data.h"
+#include "builder/raster/tiff/geotiff_tags.h"
+#include "tests/support/dem_files.h"
+#include "tests/support/fuzz.h"
+#include "tests/support/raster_fuzz.h"
+#include "tests/support/test_data.h"
 
 namespace cairn::test {
 namespace {

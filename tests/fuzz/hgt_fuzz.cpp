@@ -1,9 +1,9 @@
 // Any bytes are opened as an .hgt, plain, gzipped or zipped.
 #include <catch2/catch.hpp>
 
-#include "tests/builder/dem_files.h"
-#include "tests/fuzz/fuzz.h"
-#include "tests/fuzz/raster_fuzz.h"
+#include "tests/support/dem_files.h"
+#include "tests/support/fuzz.h"
+#include "tests/support/raster_fuzz.h"
 
 namespace cairn::test {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "format/height_block.h"
 #include "format/texture_tile.h"
-#include "tests/fuzz/fuzz.h"
-#include "tests/test_pack.h"
+#include "tests/support/fuzz.h"
+#include "tests/support/test_pack.h"
 
 namespace cairn {
 namespace {

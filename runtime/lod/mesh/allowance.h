@@ -5,9 +5,9 @@
 
 #include <glm/vec3.hpp>
 
-#include "runtime/horizon.h"
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/square_errors.h"
-#include "runtime/lod_method.h"
+#include "runtime/view/horizon.h"
 
 namespace cairn {
 

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "runtime/lod_method.h"
+#include "runtime/lod/lod_method.h"
 
 namespace cairn {
 

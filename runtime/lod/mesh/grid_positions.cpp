@@ -4,7 +4,7 @@
 
 #include <glm/trigonometric.hpp>
 
-#include "runtime/geodesy.h"
+#include "runtime/view/geodesy.h"
 
 namespace cairn {
 

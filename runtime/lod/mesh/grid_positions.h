@@ -7,7 +7,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "runtime/lattice.h"
+#include "runtime/view/lattice.h"
 
 namespace cairn {
 

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <unordered_set>
 
-#include "runtime/geodesy.h"
 #include "runtime/lod/mesh/index_forms.h"
 #include "runtime/lod/mesh/tile_window.h"
+#include "runtime/view/geodesy.h"
 
 namespace cairn {
 namespace {

@@ -6,9 +6,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/conform.h"
 #include "runtime/lod/mesh/cpu_clock.h"
-#include "runtime/lod_method.h"
 
 namespace cairn {
 

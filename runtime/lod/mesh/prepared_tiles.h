@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "runtime/lod_method.h"
+#include "runtime/lod/lod_method.h"
 
 namespace cairn {
 

@@ -8,7 +8,7 @@
 
 #include "format/height_tile.h"
 #include "runtime/lod/mesh/grid_positions.h"
-#include "runtime/view_state.h"
+#include "runtime/view/view_state.h"
 
 namespace cairn {
 

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/allowance.h"
 #include "runtime/lod/mesh/square_errors.h"
 #include "runtime/lod/mesh/tile_window.h"
-#include "runtime/lod_method.h"
 
 namespace cairn {
 

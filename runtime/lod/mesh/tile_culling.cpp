@@ -1,6 +1,6 @@
 #include "runtime/lod/mesh/tile_culling.h"
 
-#include "runtime/visible_set.h"
+#include "runtime/view/visible_set.h"
 
 namespace cairn {
 

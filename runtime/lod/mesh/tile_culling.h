@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "runtime/lod_method.h"
+#include "runtime/lod/lod_method.h"
 
 namespace cairn {
 

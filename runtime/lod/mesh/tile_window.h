@@ -3,7 +3,7 @@
 #include <cassert>
 #include <cstddef>
 
-#include "runtime/lod_method.h"
+#include "runtime/lod/lod_method.h"
 
 namespace cairn {
 

@@ -6,12 +6,12 @@
 #include <glm/vec3.hpp>
 
 #include "format/height_tile.h"
-#include "runtime/horizon.h"
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/part_ranges.h"
 #include "runtime/lod/mesh/sample_rows.h"
 #include "runtime/lod/mesh/square_errors.h"
-#include "runtime/lod_method.h"
-#include "runtime/view_state.h"
+#include "runtime/view/horizon.h"
+#include "runtime/view/view_state.h"
 
 namespace cairn {
 

@@ -7,7 +7,7 @@
 
 #include "format/bisection_errors.h"
 #include "format/rqt_steps.h"
-#include "runtime/geodesy.h"
+#include "runtime/view/geodesy.h"
 
 namespace cairn {
 namespace {

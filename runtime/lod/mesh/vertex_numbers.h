@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/tile_window.h"
-#include "runtime/lod_method.h"
 
 namespace cairn {
 

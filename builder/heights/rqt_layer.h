@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+
+#include "builder/bake/progress.h"
+#include "builder/bake/resume.h"
+#include "format/status.h"
+
+namespace cairn {
+
+/// How many triangulations a tile gets, each with twice the tolerance of the one before.
+inline constexpr int kRqtSteps = 8;
+
+struct RqtPlan {
+  int tile_size = 513;
+  double quantum_m = 0.25;
+  int finest = 0;         ///< the level whose tiles get the tolerance; each coarser one gets twice that
+  float tolerance_m = 1;  ///< > 0
+};
+
+/// Adds the rqt layer: for each height tile of the pack its triangulations, see RqtSteps, with the same
+/// vertices on both sides of every edge that tiles of one level have in common (RqtBorders).
+///
+/// The heights are read back from `TARGET.part`. A level at a time: first every tile for itself, then, once
+/// the borders agree, every tile again, so that borders are kept in memory and no tiles. Units of sixteen
+/// tiles, journalled like those of the other layers. REQUIRES: all heights are in `work.writer`.
+Status bake_rqt_layer(const RqtPlan& plan, const std::filesystem::path& target, int threads, Work& work,
+                      const ProgressCallback& progress);
+
+}  // namespace cairn

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "builder/imagery/linear_image.h"
+#include "builder/imagery/texel_window.h"
+#include "builder/options/imagery_options.h"
+#include "builder/raster/footprint.h"
+#include "builder/raster/source_pool.h"
+
+namespace cairn {
+
+/// All images of a bake as one picture: finer ones lie on top, then those named earlier.
+class ImageryMosaic {
+ public:
+  /// Tiles have `size` texels a side.
+  static Result<std::unique_ptr<ImageryMosaic>> open(const ImageryOptions& options, int size,
+                                                     std::size_t cache_bytes);
+
+  const SourcePool& pool() const { return *pool_; }
+  GeoBounds bounds() const;  ///< of the outer edges of all images
+  bool is_global() const;
+  int finest_level() const;
+
+  /// The finest level that any image needs that touches the tile: the first whose texels are no larger than
+  /// its pixels. nullopt where none touches it. It may be coarser than the tile.
+  std::optional<int> native_level(const TileId& id) const;
+
+  /// Safe to call from several threads.
+  Result<LinearImage> sample(const TexelWindow& window) const;
+
+ private:
+  struct Image {
+    std::size_t source = 0;  // in the pool
+    Footprint outline;       // of its pixels' outer edges, or a little more
+    double pixels_per_degree = 0;
+    int level = 0;
+  };
+
+  ImageryMosaic() = default;
+  Image describe(std::size_t source) const;
+  Status lay(const Image& image, const TexelWindow& window, double turn, class ImageStack& stack) const;
+
+  int size_ = 512;
+  double feather_pixels_ = 0;
+  std::unique_ptr<SourcePool> pool_;
+  std::vector<Image> images_;  // the topmost first
+};
+
+}  // namespace cairn

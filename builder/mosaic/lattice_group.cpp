@@ -1,0 +1,302 @@
+#include "builder/mosaic/lattice_group.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+
+#include "builder/mosaic/fading.h"
+#include "format/wide.h"
+
+namespace cairn {
+namespace {
+
+constexpr float kNoHeight = std::numeric_limits<float>::quiet_NaN();
+constexpr std::int64_t kNeverWraps = std::int64_t{1} << 40;
+
+IndexRange range_of(std::int64_t first, int count) {
+  return {first, first + count - 1};
+}
+
+// Posts at or beyond the window's first sample, and at or before its last.
+IndexRange posts_within(const AxisPositions& positions, IndexRange samples) {
+  const std::int64_t first = positions.first_post_from(samples.first);
+  std::int64_t last = positions.first_post_from(samples.last);
+  if (positions.position(last) > static_cast<double>(samples.last)) --last;
+  return {first, last};
+}
+
+// Takes a row of a member's posts to where there is no value yet.
+CAIRN_WIDE void fill_in(const float* row, std::size_t count, std::uint16_t owner, float* heights,
+                        std::uint16_t* owners) {
+  for (std::size_t c = 0; c < count; ++c) {  // no branches, so that the loop is one of vectors
+    const bool taken = PostBlock::has_value(owners[c]);
+    const bool is_void = row[c] != row[c];
+    const std::uint16_t next = is_void ? PostBlock::kVoid : owner;
+    heights[c] = taken ? heights[c] : row[c];
+    owners[c] = taken ? owners[c] : next;
+  }
+}
+
+CAIRN_WIDE bool all_have_values(const std::vector<std::uint16_t>& owners) {
+  int without = 0;  // no early end, likewise
+  for (const std::uint16_t owner : owners) without |= PostBlock::has_value(owner) ? 0 : 1;
+  return without == 0;
+}
+
+bool any_filled(const std::vector<SampleState>& states) {
+  return std::find(states.begin(), states.end(), SampleState::filled) != states.end();
+}
+
+// By post: how many posts it is to the nearest one with a value, along the axis where it is farther; `most`
+// where it is that or more.
+std::vector<int> distances_to_values(const PostBlock& block, int most) {
+  std::vector<int> along_rows(block.owners.size(), most);
+  const auto sweep = [&](int r, int first, int step) {
+    int distance = most;
+    for (int c = first; c >= 0 && c < block.columns; c += step) {
+      distance = PostBlock::has_value(block.owners[block.index(c, r)]) ? 0 : std::min(distance + 1, most);
+      int& least = along_rows[block.index(c, r)];
+      least = std::min(least, distance);
+    }
+  };
+  for (int r = 0; r < block.rows; ++r) {
+    sweep(r, 0, 1);
+    sweep(r, block.columns - 1, -1);
+  }
+  std::vector<int> distances(along_rows);
+  for (int r = 0; r < block.rows; ++r) {
+    for (int other = std::max(r - most, 0); other <= std::min(r + most, block.rows - 1); ++other) {
+      const int apart = std::abs(other - r);
+      for (int c = 0; c < block.columns; ++c) {
+        int& least = distances[block.index(c, r)];
+        least = std::min(least, std::max(apart, along_rows[block.index(c, other)]));
+      }
+    }
+  }
+  return distances;
+}
+
+IndexRange hull(IndexRange a, IndexRange b) {
+  if (b.count() <= 0) return a;
+  return {std::min(a.first, b.first), std::max(a.last, b.last)};
+}
+
+std::vector<IndexWindow> extents_of(const SourcePool& pool,
+                                    const std::vector<LatticeGroup::Member>& members) {
+  std::vector<IndexWindow> extents;
+  for (const auto& m : members) {
+    const RasterInfo& info = pool.info(m.source);
+    extents.push_back({{m.placement.i0, m.placement.i0 + info.columns - 1},
+                       {m.placement.j0, m.placement.j0 + info.rows - 1}});
+  }
+  return extents;
+}
+
+}  // namespace
+
+LatticeGroup::LatticeGroup(SourcePool& pool, const Geoid* geoid, const Lattice& lattice,
+                           std::vector<Member> members, int native_level, double samples_per_degree,
+                           ResampleMethod method)
+    : pool_(pool),
+      geoid_(geoid),
+      lattice_(lattice),
+      members_(std::move(members)),
+      lon_(lattice.lon, samples_per_degree, method),
+      lat_(lattice.lat, samples_per_degree, method),
+      lon_positions_(lattice.lon, samples_per_degree),
+      lat_positions_(lattice.lat, samples_per_degree),
+      around_(lattice.posts_around().value_or(kNeverWraps)),
+      fill_(extents_of(pool, members_), around_,
+            [this](IndexRange columns, IndexRange rows) { return read_posts(columns, rows); }) {
+  assert(members_.size() < PostBlock::kVoid - 1u);
+  native_level_ = native_level;
+  spacing_degrees_ = 1.0 / std::min(lattice.lon.posts_per_degree, lattice.lat.posts_per_degree);
+  posts_on_samples_ = lon_positions_.all_posts_on_samples() && lat_positions_.all_posts_on_samples();
+  for (const Member& m : members_) {
+    const RasterInfo& info = pool.info(m.source);
+    const std::int64_t east =
+        info.columns == around_ ? m.placement.i0 + around_ : m.placement.i0 + info.columns - 1;
+    footprint_.add({lattice.lon_of(m.placement.i0), lattice.lat_of(m.placement.j0), lattice.lon_of(east),
+                    lattice.lat_of(m.placement.j0 + info.rows - 1)});
+    sources_.push_back(m.source);
+  }
+}
+
+void LatticeGroup::set_reach(double solid_degrees, double fade_degrees) {
+  const double densest = std::max(lattice_.lon.posts_per_degree, lattice_.lat.posts_per_degree);
+  solid_posts_ = solid_degrees * densest;
+  fade_posts_ = fade_degrees * densest;
+  fill_.set_reach(static_cast<std::int64_t>(std::ceil(solid_posts_ + fade_posts_)));
+}
+
+// Copies the member's posts, shifted by `turn` posts around the Earth, to where the block has no value yet.
+Status LatticeGroup::read_member(std::size_t member, std::int64_t turn, PostBlock& block) const {
+  const LatticePlacement& place = members_[member].placement;
+  const RasterInfo& info = pool_.info(members_[member].source);
+  const std::int64_t west = std::max(block.i0, place.i0 + turn);
+  const std::int64_t east = std::min(block.i0 + block.columns, place.i0 + turn + info.columns);
+  const std::int64_t south = std::max(block.j0, place.j0);
+  const std::int64_t north = std::min(block.j0 + block.rows, place.j0 + info.rows);
+  if (west >= east || south >= north) return {};
+
+  const auto source = pool_.acquire(members_[member].source);
+  if (!source) return source.error();
+  const std::int64_t first_row = place.north_up ? place.j0 + info.rows - north : south - place.j0;
+  const PostWindow window{west - place.i0 - turn, first_row, east - west, north - south};
+  const auto width = static_cast<std::size_t>(window.columns);
+  const std::size_t count = width * static_cast<std::size_t>(window.rows);
+  const auto read = std::make_unique_for_overwrite<float[]>(count);
+  if (auto status = (*source)->read_heights(window, {read.get(), count}); !status) return status;
+
+  const auto owner = static_cast<std::uint16_t>(member + 1);
+  for (std::int64_t j = south; j < north; ++j) {
+    const std::int64_t file_row = place.north_up ? north - 1 - j : j - south;
+    const std::size_t to = block.index(static_cast<int>(west - block.i0), static_cast<int>(j - block.j0));
+    fill_in(read.get() + file_row * window.columns, width, owner, block.heights.data() + to,
+            block.owners.data() + to);
+  }
+  return {};
+}
+
+Result<PostBlock> LatticeGroup::read_posts(IndexRange columns, IndexRange rows) const {
+  PostBlock block{
+      columns.first, rows.first, static_cast<int>(columns.count()), static_cast<int>(rows.count()), {}, {}};
+  const std::size_t count = static_cast<std::size_t>(block.columns) * static_cast<std::size_t>(block.rows);
+  block.heights.assign(count, kNoHeight);
+  block.owners.assign(count, PostBlock::kOutside);
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    for (const std::int64_t turn : {-around_, std::int64_t{0}, around_}) {
+      if (auto status = read_member(m, turn, block); !status) return status.error();
+    }
+  }
+  if (geoid_ == nullptr) return block;
+  for (int r = 0; r < block.rows; ++r) {
+    for (int c = 0; c < block.columns; ++c) {
+      const LonLat place{lattice_.lon_of(block.i0 + c), lattice_.lat_of(block.j0 + r)};
+      block.heights[block.index(c, r)] += static_cast<float>(geoid_->undulation(place));
+    }
+  }
+  return block;
+}
+
+std::vector<SampleState> LatticeGroup::states_of(const SampleWindow& window, const PostBlock& block) const {
+  const auto best_of = [&](IndexRange columns, IndexRange rows) {
+    SampleState best = SampleState::none;
+    for (std::int64_t j = rows.first; j <= rows.last; ++j) {
+      for (std::int64_t i = columns.first; i <= columns.last; ++i) {
+        const std::uint16_t owner =
+            block.owners[block.index(static_cast<int>(i - block.i0), static_cast<int>(j - block.j0))];
+        if (PostBlock::has_value(owner)) return SampleState::sourced;
+        if (owner == PostBlock::kVoid) best = SampleState::filled;
+      }
+    }
+    return best;
+  };
+  const auto around = [](const AxisPositions& positions, std::int64_t sample) {
+    const std::int64_t next = positions.first_post_from(sample);
+    return positions.is_on_post(sample) ? IndexRange{next, next} : IndexRange{next - 1, next};
+  };
+  std::vector<IndexRange> columns;
+  for (int c = 0; c < window.columns; ++c) columns.push_back(around(lon_positions_, window.column + c));
+  std::vector<SampleState> states;
+  states.reserve(window.count());
+  for (int r = 0; r < window.rows; ++r) {
+    const IndexRange rows = around(lat_positions_, window.row + r);
+    for (const IndexRange& range : columns) states.push_back(best_of(range, rows));
+  }
+  return states;
+}
+
+// The fade of a void's fill from its rim inwards, as that of the group beyond its footprint. Distances
+// between posts are interpolated at samples, so the weight is as smooth as they are.
+Result<std::vector<float>> LatticeGroup::fill_weights(const SampleWindow& window) const {
+  const auto reach = static_cast<std::int64_t>(std::ceil(solid_posts_ + fade_posts_)) + 1;
+  const IndexRange columns{lon_positions_.first_post_from(window.column) - 1,
+                           lon_positions_.first_post_from(window.column + window.columns - 1)};
+  const IndexRange rows{lat_positions_.first_post_from(window.row) - 1,
+                        lat_positions_.first_post_from(window.row + window.rows - 1)};
+  const auto block =
+      read_posts({columns.first - reach, columns.last + reach}, {rows.first - reach, rows.last + reach});
+  if (!block) return block.error();
+  const std::vector<int> distances = distances_to_values(*block, static_cast<int>(reach));
+
+  const auto places = [](const AxisPositions& positions, std::int64_t first, int count, std::int64_t origin) {
+    std::vector<double> all;
+    for (std::int64_t s = first; s < first + count; ++s)
+      all.push_back(positions.post_coordinate(s) - static_cast<double>(origin));
+    return all;
+  };
+  const auto xs = places(lon_positions_, window.column, window.columns, block->i0);
+  std::vector<float> weights;
+  weights.reserve(window.count());
+  for (const double y : places(lat_positions_, window.row, window.rows, block->j0)) {
+    for (const double x : xs) {
+      const auto c = static_cast<int>(x), r = static_cast<int>(y);
+      const double u = x - c, v = y - r;
+      const auto at = [&](int i, int j) {
+        return static_cast<double>(distances[block->index(c + i, r + j)]);
+      };
+      const double distance =
+          (1 - v) * ((1 - u) * at(0, 0) + u * at(1, 0)) + v * ((1 - u) * at(0, 1) + u * at(1, 1));
+      weights.push_back(static_cast<float>(fading(distance - solid_posts_, fade_posts_)));
+    }
+  }
+  return weights;
+}
+
+MeasuredPosts LatticeGroup::posts_of(const SampleWindow& window, PostBlock&& block) const {
+  const IndexRange columns = posts_within(lon_positions_, range_of(window.column, window.columns));
+  const IndexRange rows = posts_within(lat_positions_, range_of(window.row, window.rows));
+  MeasuredPosts posts;
+  for (std::int64_t i = columns.first; i <= columns.last; ++i)
+    posts.xs.push_back(lon_positions_.position(i) - static_cast<double>(window.column));
+  for (std::int64_t j = rows.first; j <= rows.last; ++j)
+    posts.ys.push_back(lat_positions_.position(j) - static_cast<double>(window.row));
+  if (columns.count() == block.columns && rows.count() == block.rows) {
+    posts.heights = std::move(block.heights);
+    posts.owners = std::move(block.owners);
+    return posts;
+  }
+  for (std::int64_t j = rows.first; j <= rows.last; ++j) {
+    const auto at = static_cast<std::ptrdiff_t>(
+        block.index(static_cast<int>(columns.first - block.i0), static_cast<int>(j - block.j0)));
+    const std::ptrdiff_t end = at + columns.count();
+    posts.heights.insert(posts.heights.end(), block.heights.begin() + at, block.heights.begin() + end);
+    posts.owners.insert(posts.owners.end(), block.owners.begin() + at, block.owners.begin() + end);
+  }
+  return posts;
+}
+
+Result<GroupSamples> LatticeGroup::sample(const SampleWindow& window) const {
+  const IndexRange columns = range_of(window.column, window.columns);
+  const IndexRange rows = range_of(window.row, window.rows);
+  const IndexWindow wanted{hull(lon_.posts_for(columns), posts_within(lon_positions_, columns)),
+                           hull(lat_.posts_for(rows), posts_within(lat_positions_, rows))};
+  auto block = read_posts(wanted.x, wanted.y);
+  if (!block) return block.error();
+
+  GroupSamples samples;
+  samples.heights.resize(window.count());
+  const IndexWindow from{wanted.x, wanted.y};
+  const IndexWindow to{columns, rows};
+  if (all_have_values(block->owners)) {
+    resample_regular(lon_, lat_, from, block->heights, to, samples.heights);
+    samples.posts = posts_of(window, std::move(*block));
+    return samples;
+  }
+  samples.posts = posts_of(window, PostBlock(*block));
+  samples.states = states_of(window, *block);
+  if (fade_posts_ > 0 && any_filled(samples.states)) {
+    auto weights = fill_weights(window);
+    if (!weights) return weights.error();
+    samples.fill_weights = std::move(*weights);
+  }
+  if (auto status = fill_.complete(*block); !status) return status.error();
+  resample_regular(lon_, lat_, from, block->heights, to, samples.heights);
+  return samples;
+}
+
+}  // namespace cairn

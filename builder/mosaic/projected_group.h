@@ -1,0 +1,66 @@
+#pragma once
+
+#include <list>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "builder/mosaic/geoid.h"
+#include "builder/mosaic/source_group.h"
+#include "builder/options/build_options.h"
+#include "builder/raster/source_pool.h"
+#include "builder/resample/post_block.h"
+#include "builder/resample/resample_projected.h"
+#include "builder/voids/lattice_fill.h"
+
+namespace cairn {
+
+/// One raster on a projected grid. It is fitted in blocks of a tile's 512×512 samples (its west and south
+/// edges, not the others), each with a halo, so that every sample is one block's to decide and neighbouring
+/// tiles agree bit for bit.
+class ProjectedGroup final : public SourceGroup {
+ public:
+  /// The first level on which a surface through all posts exists.
+  static int level_for(const RasterInfo& info, int tile_size);
+
+  /// REQUIRES: pool and geoid (may be null) outlive the group; native_level >= level_for().
+  ProjectedGroup(SourcePool& pool, const Geoid* geoid, std::size_t source, int native_level, int tile_size,
+                 double tolerance_m);
+
+  void set_reach(double /*solid*/, double /*fade*/) override {}  // it ends where its posts end
+  Result<GroupSamples> sample(const SampleWindow& window) const override;
+
+ private:
+  struct Block {
+    SampleWindow window;  // of the samples that the block decides
+    std::vector<float> heights;
+    std::vector<SampleState> states;  // empty where all are sourced
+  };
+  using BlockPointer = std::shared_ptr<const Block>;
+
+  Result<PostBlock> read_posts(IndexRange columns, IndexRange rows) const;
+  Result<BlockPointer> block_at(std::int64_t x, std::int64_t y) const;
+  Result<BlockPointer> make_block(std::int64_t x, std::int64_t y) const;
+  std::vector<SampleState> states_of(const SampleWindow& window, const PostBlock& posts) const;
+  Status add_posts(const SampleWindow& window, MeasuredPosts& posts) const;
+
+  SourcePool& pool_;
+  const Geoid* geoid_;
+  RasterInfo info_;
+  IndexWindow extent_;
+  int intervals_;
+  double samples_per_degree_;
+  double tolerance_m_;
+  ProjectedResampler resampler_;
+  LatticeFill fill_;
+
+  struct Cached {
+    std::int64_t x;
+    std::int64_t y;
+    BlockPointer block;
+  };
+  mutable std::mutex mutex_;
+  mutable std::list<Cached> cache_;  // guarded by mutex_; most recently used first
+};
+
+}  // namespace cairn

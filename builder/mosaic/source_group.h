@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "builder/mosaic/sample_window.h"
+#include "builder/raster/footprint.h"
+#include "format/status.h"
+
+namespace cairn {
+
+/// Posts to measure a surface against. x and y count samples from the window's south-west corner.
+struct MeasuredPosts {
+  /// Posts of a lattice: heights[row · xs.size() + column] lies at (xs[column], ys[row]); NaN where there is
+  /// none.
+  std::vector<double> xs;
+  std::vector<double> ys;
+  std::vector<float> heights;
+  std::vector<std::uint16_t> owners;  ///< which source gave it, see PostBlock; by place as `heights`
+
+  /// Posts of a projected raster.
+  struct Placed {
+    double x = 0;
+    double y = 0;
+    float height = 0;
+    std::uint16_t owner = 0;
+  };
+  std::vector<Placed> placed;
+};
+
+/// What a group of sources says about a window of samples.
+struct GroupSamples {
+  std::vector<float> heights;       ///< metres, rows south to north; NaN only where the state is none
+  std::vector<SampleState> states;  ///< empty where all are sourced
+  /// How much a filled sample's height counts against what lies beneath the group: 1 beside the rim of the
+  /// void, 0 farther in than the group fades. Empty where no sample is filled, or nothing lies beneath.
+  std::vector<float> fill_weights;
+  MeasuredPosts posts;  ///< in the closed window
+};
+
+/// Sources that are resampled together: rasters on one lattice, or one projected raster. Sampling is a pure
+/// function of the world's sample grid: windows that share a sample give it the same bits. Safe to call from
+/// several threads.
+class SourceGroup {
+ public:
+  virtual ~SourceGroup() = default;
+
+  /// The level whose samples are as dense as the posts: where the group is sampled.
+  int native_level() const { return native_level_; }
+  /// Degrees between posts, the larger of both axes.
+  double spacing_degrees() const { return spacing_degrees_; }
+  /// Whether every post lies on a sample.
+  bool posts_on_samples() const { return posts_on_samples_; }
+  /// Whether its heights go on smoothly beyond its footprint, to fade there; else it ends where its posts
+  /// end.
+  bool reaches_beyond_footprint() const { return reaches_beyond_footprint_; }
+  const Footprint& footprint() const { return footprint_; }
+  /// The members' numbers in the SourcePool, by the order in which they win.
+  const std::vector<std::size_t>& sources() const { return sources_; }
+
+  /// How the group ends, beyond its footprint and inside its voids, in degrees: so far it counts alone, and
+  /// so much farther it fades into what lies beneath (0 where nothing does). Before any sample() only.
+  virtual void set_reach(double solid_degrees, double fade_degrees) = 0;
+
+  /// REQUIRES: the window has the native level's density.
+  virtual Result<GroupSamples> sample(const SampleWindow& window) const = 0;
+
+ protected:
+  int native_level_ = 0;
+  double spacing_degrees_ = 0;
+  bool posts_on_samples_ = false;
+  bool reaches_beyond_footprint_ = true;
+  Footprint footprint_;
+  std::vector<std::size_t> sources_;
+};
+
+}  // namespace cairn

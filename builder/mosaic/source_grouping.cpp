@@ -1,0 +1,98 @@
+#include "builder/mosaic/source_grouping.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "builder/mosaic/lattice_group.h"
+#include "builder/mosaic/projected_group.h"
+
+namespace cairn {
+namespace {
+
+// How close an iterative fit comes to the posts, as a share of the promise; the rest is for rounding.
+constexpr double kShareOfPromise = 0.1;
+constexpr double kFinestDefaultPromise = 0.05;
+
+struct LatticeMembers {
+  Lattice lattice;
+  std::vector<LatticeGroup::Member> members;
+};
+
+double samples_per_degree(int level, int tile_size) {
+  return static_cast<double>(tile_size - 1) / tile_width_degrees(level);
+}
+
+// The first level whose samples are as dense as the posts. A hair of tolerance: 3600.0000001 posts are 3600.
+int level_for(double posts_per_degree, int tile_size) {
+  int level = kMinLevel;
+  while (level < kMaxLevel && samples_per_degree(level, tile_size) < posts_per_degree * (1 - 1e-9)) ++level;
+  return level;
+}
+
+int lattice_level(const Lattice& lattice, const BuildOptions& options) {
+  int level =
+      level_for(std::max(lattice.lon.posts_per_degree, lattice.lat.posts_per_degree), options.tile_size);
+  const auto usable = [&](const LatticeAxis& axis) {
+    return AxisResampler(axis, samples_per_degree(level, options.tile_size), options.resampling)
+        .is_well_conditioned();
+  };
+  while (level < kMaxLevel && !(usable(lattice.lon) && usable(lattice.lat))) ++level;
+  return level;
+}
+
+void add_to_lattice(std::vector<LatticeMembers>& lattices, std::size_t source,
+                    const LatticePlacement& placement) {
+  for (LatticeMembers& l : lattices) {
+    if (const auto rebased = rebase(placement, l.lattice)) {
+      l.members.push_back({source, *rebased});
+      return;
+    }
+  }
+  lattices.push_back({placement.lattice, {{source, placement}}});
+}
+
+// --level finer than the sources need: the finest groups are sampled there.
+int asked_level(int native, int finest, const BuildOptions& options) {
+  return native == finest && options.level ? std::max(native, *options.level) : native;
+}
+
+}  // namespace
+
+Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(SourcePool& pool, const Geoid* geoid,
+                                                                const BuildOptions& options) {
+  std::vector<LatticeMembers> lattices;
+  std::vector<std::size_t> projected;
+  for (std::size_t s = 0; s < pool.size(); ++s) {
+    if (const auto placement = place_on_lattice(pool.info(s))) {
+      add_to_lattice(lattices, s, *placement);
+    } else {
+      projected.push_back(s);
+    }
+  }
+  int finest = kMinLevel;
+  for (const auto& l : lattices) finest = std::max(finest, lattice_level(l.lattice, options));
+  for (const std::size_t s : projected)
+    finest = std::max(finest, ProjectedGroup::level_for(pool.info(s), options.tile_size));
+
+  std::vector<std::unique_ptr<SourceGroup>> groups;
+  for (auto& l : lattices) {
+    const int level = asked_level(lattice_level(l.lattice, options), finest, options);
+    groups.push_back(std::make_unique<LatticeGroup>(pool, geoid, l.lattice, std::move(l.members), level,
+                                                    samples_per_degree(level, options.tile_size),
+                                                    options.resampling));
+  }
+  const double promise = options.max_error_m.value_or(kFinestDefaultPromise);
+  const double tolerance = promise * kShareOfPromise;
+  for (const std::size_t s : projected) {
+    const int level =
+        asked_level(ProjectedGroup::level_for(pool.info(s), options.tile_size), finest, options);
+    groups.push_back(std::make_unique<ProjectedGroup>(pool, geoid, s, level, options.tile_size, tolerance));
+  }
+  std::sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) {
+    if (a->spacing_degrees() != b->spacing_degrees()) return a->spacing_degrees() < b->spacing_degrees();
+    return a->sources().front() < b->sources().front();
+  });
+  return groups;
+}
+
+}  // namespace cairn

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "builder/texture_encode/texture_encode.h"
+#include "format/geo.h"
+
+namespace cairn {
+
+/// What the imagery layer of a bake is asked for.
+struct ImageryOptions {
+  std::vector<std::filesystem::path> inputs;  ///< in the order of the command line; empty: no such layer
+  std::optional<GeoBounds> bounds;            ///< of images that do not say where they lie: their outer edges
+  /// bc1: where a tile is not opaque all over it becomes bc3.
+  TextureFormat format = TextureFormat::bc1;
+  TextureQuality quality = TextureQuality::normal;
+  double feather_pixels = 0;  ///< over which an image's rim fades into the images beneath
+};
+
+}  // namespace cairn

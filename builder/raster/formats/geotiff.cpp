@@ -1,0 +1,191 @@
+// GeoTIFF, BigTIFF and plain TIFF with a world file: strips or tiles, any compression that libtiff has, posts
+// in their own type.
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tiffio.h>
+
+#include "builder/raster/height_encoding.h"
+#include "builder/raster/raster_placement.h"
+#include "builder/raster/raster_source.h"
+#include "builder/raster/tiff/geotiff_tags.h"
+#include "builder/raster/tiff/tiff_colours.h"
+#include "builder/raster/tiff/tiff_image.h"
+#include "builder/raster/world_file.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
+constexpr int kMostDirectories = 64;
+
+/// The directory that holds a transparency mask for the first one (TIFF 6.0, NewSubfileType bit 2).
+std::optional<std::uint16_t> mask_directory(TIFF* tiff) {
+  std::optional<std::uint16_t> found;
+  for (std::uint16_t i = 1; i < kMostDirectories && !found && TIFFReadDirectory(tiff) == 1; ++i) {
+    std::uint32_t kind = 0;
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_SUBFILETYPE, &kind);
+    if (kind == FILETYPE_MASK) found = i;
+  }
+  TIFFSetDirectory(tiff, 0);
+  return found;
+}
+
+class GeoTiffSource final : public RasterSource {
+ public:
+  GeoTiffSource(RasterInfo info, HeightEncoding encoding, std::unique_ptr<TiffImage> image,
+                std::unique_ptr<TiffImage> mask)
+      : RasterSource(std::move(info)),
+        encoding_(encoding),
+        image_(std::move(image)),
+        mask_(std::move(mask)) {}
+
+  Status read_heights(const PostWindow& window, std::span<float> out) const override;
+  Status read_colours(const PostWindow& window, std::span<std::uint8_t> rgba) const override;
+
+ private:
+  Status check_heights() const;
+  Status visit_absent(const PostWindow& window, const std::function<void(std::size_t)>& absent) const;
+
+  HeightEncoding encoding_;
+  std::unique_ptr<TiffImage> image_;
+  std::unique_ptr<TiffImage> mask_;  // null where there is none
+};
+
+Status GeoTiffSource::check_heights() const {
+  const std::uint16_t photometric = image_->layout().photometric;
+  if (photometric == PHOTOMETRIC_MINISBLACK || photometric == PHOTOMETRIC_MINISWHITE) return {};
+  return bad_data(info_.path.string() + ": expected heights, found an image in colours");
+}
+
+/// Calls back with the place in the window of each pixel that an alpha band or a mask leaves out.
+Status GeoTiffSource::visit_absent(const PostWindow& window,
+                                   const std::function<void(std::size_t)>& absent) const {
+  const auto visit = [&](const TiffImage& image, int sample) {
+    const TiffLayout& layout = image.layout();
+    const std::size_t bytes = size_of(layout.type);
+    const std::size_t step = bytes * static_cast<std::size_t>(layout.samples_together());
+    const std::size_t at = layout.planar ? 0 : static_cast<std::size_t>(sample) * bytes;
+    return image.visit(window, layout.planar ? sample : 0, [&](const TiffImage::Run& run) {
+      for (std::int64_t i = 0; i < run.count; ++i) {
+        const std::byte* alpha = run.samples + static_cast<std::size_t>(i) * step + at;
+        const bool zero = run.samples == nullptr ||
+                          std::all_of(alpha, alpha + bytes, [](std::byte b) { return b == std::byte{0}; });
+        if (zero) absent(static_cast<std::size_t>(run.row * window.columns + run.column + i));
+      }
+    });
+  };
+  if (const auto alpha = alpha_sample_of(image_->layout())) {
+    if (auto visited = visit(*image_, *alpha); !visited) return visited;
+  }
+  return mask_ ? visit(*mask_, 0) : Status();
+}
+
+Status GeoTiffSource::read_heights(const PostWindow& window, std::span<float> out) const {
+  if (auto heights = check_heights(); !heights) return heights;
+  const auto width = static_cast<std::size_t>(window.columns);
+  const auto stride = static_cast<std::size_t>(image_->layout().samples_together());
+  const float unstored = encoding_.nodata ? kVoid : 0.0F;
+  const Status read = image_->visit(window, 0, [&](const TiffImage::Run& run) {
+    float* at = out.data() + static_cast<std::size_t>(run.row) * width + run.column;
+    const auto count = static_cast<std::size_t>(run.count);
+    if (run.samples == nullptr) {
+      std::fill_n(at, count, unstored);
+    } else {
+      decode_heights(encoding_, run.samples, count, stride, at);
+    }
+  });
+  if (!read) return read;
+  return visit_absent(window, [&](std::size_t i) { out[i] = kVoid; });
+}
+
+Status GeoTiffSource::read_colours(const PostWindow& window, std::span<std::uint8_t> rgba) const {
+  const auto encoding = colours_of_tiff(image_->layout(), info_.nodata, info_.path);
+  if (!encoding) return encoding.error();
+  if (auto read = read_tiff_colours(*image_, *encoding, window, rgba); !read) return read;
+  if (!mask_) return {};
+  return visit_absent(window, [&](std::size_t i) { rgba[4 * i + 3] = 0; });
+}
+
+bool claims(const fs::path&, std::span<const std::byte> first) {
+  if (first.size() < 4) return false;
+  const auto at = [&](std::size_t i) { return std::to_integer<int>(first[i]); };
+  const bool little = at(0) == 'I' && at(1) == 'I' && (at(2) == 42 || at(2) == 43) && at(3) == 0;
+  const bool big = at(0) == 'M' && at(1) == 'M' && at(2) == 0 && (at(3) == 42 || at(3) == 43);
+  return little || big;
+}
+
+/// By the tags; by a world file or bounds where the tags say no place; by a .prj where they say no CRS.
+Result<Georeference> find_place(const GeoTiffTags& tags, const TiffLayout& layout, const fs::path& path,
+                                const OpenOptions& options) {
+  if (tags.has_place() && tags.has_crs()) return georeference_of(tags, path);
+  if (!tags.has_place() && !tags.has_crs())
+    return georeference_beside(path, layout.columns, layout.rows, options);
+  if (tags.has_place()) {
+    auto place = georeference_of(tags, path);
+    if (!place) return place;
+    if (auto prj = read_prj_beside(path, *place); !prj) return prj.error();
+    return place;
+  }
+  Georeference crs;
+  if (auto read = read_crs(tags, path, crs); !read) return read.error();
+  return place_beside(path, layout.columns, layout.rows, options, crs);
+}
+
+Result<std::unique_ptr<TiffImage>> open_mask(const fs::path& path, const TiffLayout& layout,
+                                             const OpenOptions& options) {
+  const auto handle = TiffHandle::open(path, 0);
+  if (!handle) return handle.error();
+  const auto directory = mask_directory((*handle)->get());
+  if (!directory) return std::unique_ptr<TiffImage>();
+  const auto at_mask = TiffHandle::open(path, *directory);
+  if (!at_mask) return at_mask.error();
+  auto mask = TiffImage::open(path, **at_mask, *directory, options.cache_bytes / 8);
+  if (!mask) return mask.error();
+  if ((*mask)->layout().columns != layout.columns || (*mask)->layout().rows != layout.rows)
+    return bad_data(path.string() + ": mask: expected the image's size, found another");
+  return mask;
+}
+
+Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptions& options) {
+  const auto handle = TiffHandle::open(path, 0);
+  if (!handle) return handle.error();
+  auto image = TiffImage::open(path, **handle, 0, options.cache_bytes);
+  if (!image) return image.error();
+  const TiffLayout& layout = (*image)->layout();
+  const GeoTiffTags tags = read_geotiff_tags(**handle);
+  const auto georeference = find_place(tags, layout, path, options);
+  if (!georeference) return georeference.error();
+  const auto scale = height_scale_of(tags, path);
+  if (!scale) return scale.error();
+  auto mask = open_mask(path, layout, options);
+  if (!mask) return mask.error();
+  const HeightEncoding encoding{
+      .type = layout.type, .nodata = nodata_of(tags), .scale = scale->scale, .offset = scale->offset};
+  RasterInfo info;
+  info.path = path;
+  info.format = "geotiff";
+  info.columns = layout.columns;
+  info.rows = layout.rows;
+  info.bands = layout.bands;
+  info.type = layout.type;
+  info.whole_metres = encoding.whole_metres();
+  info.georeference = *georeference;
+  info.nodata = encoding.nodata;
+  if (auto placed = place_raster(info); !placed) return placed.error();
+  std::unique_ptr<RasterSource> source =
+      std::make_unique<GeoTiffSource>(std::move(info), encoding, std::move(*image), std::move(*mask));
+  return source;
+}
+
+}  // namespace
+
+extern const RasterFormat geotiff_format;
+const RasterFormat geotiff_format = {"geotiff", 30, claims, open};
+
+}  // namespace cairn

@@ -1,0 +1,234 @@
+// SRTM's .hgt: the posts of one 1° cell, big-endian int16, north to south, and nothing else; the name says
+// which cell. Plain, gzipped (.hgt.gz), or alone in a zip archive.
+#include <algorithm>
+#include <cctype>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "builder/raster/height_encoding.h"
+#include "builder/raster/io/inflate.h"
+#include "builder/raster/io/input_file.h"
+#include "builder/raster/io/printable.h"
+#include "builder/raster/io/scratch_bytes.h"
+#include "builder/raster/io/zip_archive.h"
+#include "builder/raster/raster_placement.h"
+#include "builder/raster/raster_source.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr HeightEncoding kEncoding{.swapped = true, .nodata = -32768};
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+struct Cell {
+  int south = 0;
+  int west = 0;
+  friend bool operator==(const Cell&, const Cell&) = default;
+};
+
+/// The cell of a name that begins as N36E028 does.
+std::optional<Cell> cell_of(const fs::path& path) {
+  const std::string name = lower(path.filename().string());
+  const auto digit = [&](std::size_t i) { return name[i] >= '0' && name[i] <= '9'; };
+  if (name.size() < 8 || (name[0] != 'n' && name[0] != 's') || (name[3] != 'e' && name[3] != 'w'))
+    return std::nullopt;
+  if (!digit(1) || !digit(2) || !digit(4) || !digit(5) || !digit(6) ||
+      std::isalnum(static_cast<unsigned char>(name[7])))
+    return std::nullopt;
+  Cell cell{std::stoi(name.substr(1, 2)), std::stoi(name.substr(4, 3))};
+  if (name[0] == 's') cell.south = -cell.south;
+  if (name[3] == 'w') cell.west = -cell.west;
+  if (cell.south < -90 || cell.south > 89 || cell.west < -180 || cell.west > 179) return std::nullopt;
+  return cell;
+}
+
+std::optional<std::int64_t> posts_along(std::uint64_t bytes) {
+  for (const std::int64_t posts : {1201, 3601})
+    if (bytes == static_cast<std::uint64_t>(2 * posts * posts)) return posts;
+  return std::nullopt;
+}
+
+/// What stands around the posts in the file.
+struct Plain {};
+struct Gzip {};
+using Packing = std::variant<Plain, Gzip, ZipEntry>;
+
+struct Contents {
+  Packing packing;
+  std::uint64_t bytes = 0;
+};
+
+Result<Contents> look_into_zip(const InputFile& file) {
+  const auto entries = list_zip(file);
+  if (!entries) return entries.error();
+  std::optional<ZipEntry> found;
+  for (const ZipEntry& entry : *entries) {
+    if (!lower(entry.name).ends_with(".hgt")) continue;
+    if (found) return bad_data(file.path().string() + ": expected one .hgt in the archive, found several");
+    found = entry;
+  }
+  if (!found) return bad_data(file.path().string() + ": expected a .hgt in the archive, found none");
+  return Contents{*found, found->bytes};
+}
+
+/// A gzip file ends with its contents' length, modulo 2^32.
+Result<Contents> look_into_gzip(const InputFile& file) {
+  constexpr std::uint64_t kLeast = 18;
+  if (file.size() < kLeast)
+    return bad_data(
+        fmt::format("{}: expected a gzip file, found {} bytes", file.path().string(), file.size()));
+  std::uint32_t bytes = 0;
+  if (auto read = file.read_at(file.size() - 4, std::as_writable_bytes(std::span(&bytes, 1))); !read)
+    return read.error();
+  return Contents{Gzip{}, bytes};
+}
+
+Result<Contents> look_into(const InputFile& file) {
+  const std::string name = lower(file.path().filename().string());
+  if (name.ends_with(".zip")) return look_into_zip(file);
+  if (name.ends_with(".gz")) return look_into_gzip(file);
+  return Contents{Plain{}, file.size()};
+}
+
+/// The cell by the file's name, by the name inside the archive, or by both where they agree.
+Result<Cell> agreed_cell(const fs::path& path, const Packing& packing) {
+  const auto* entry = std::get_if<ZipEntry>(&packing);
+  const auto outer = cell_of(path);
+  const auto inner = entry != nullptr ? cell_of(entry->name) : std::nullopt;
+  if (outer && inner && !(*outer == *inner))
+    return bad_data(fmt::format("{}: expected the archive's own cell, found {} in it", path.string(),
+                                printable(entry->name)));
+  if (outer) return *outer;
+  if (inner) return *inner;
+  return bad_data(path.string() + ": name: expected a cell such as N36E028.hgt, found none that is on Earth");
+}
+
+class HgtSource final : public RasterSource {
+ public:
+  HgtSource(RasterInfo info, InputFile file, Packing packing, std::size_t cache_bytes)
+      : RasterSource(std::move(info)),
+        file_(std::move(file)),
+        packing_(std::move(packing)),
+        unpacked_(cache_bytes) {}
+
+  Status read_heights(const PostWindow& window, std::span<float> out) const override;
+  Status read_colours(const PostWindow&, std::span<std::uint8_t>) const override {
+    return bad_data(info_.path.string() + ": expected an image, found heights (hgt)");
+  }
+
+ private:
+  Status prepare() const;
+  Status unpack() const;
+  Status check_plausible() const;
+  Status read_at(std::uint64_t offset, std::span<std::byte> out) const {
+    return std::holds_alternative<Plain>(packing_) ? file_.read_at(offset, out)
+                                                   : unpacked_.read_at(offset, out);
+  }
+
+  InputFile file_;
+  Packing packing_;
+  mutable std::once_flag once_;
+  mutable Status prepared_;
+  mutable ScratchBytes unpacked_;
+};
+
+Status HgtSource::prepare() const {
+  std::call_once(once_, [this] {
+    prepared_ = unpack();
+    if (prepared_) prepared_ = check_plausible();
+  });
+  return prepared_;
+}
+
+Status HgtSource::unpack() const {
+  const auto expected = static_cast<std::uint64_t>(2 * info_.columns * info_.rows);
+  if (const auto* entry = std::get_if<ZipEntry>(&packing_)) return unpack_zip_entry(file_, *entry, unpacked_);
+  if (std::holds_alternative<Gzip>(packing_))
+    return inflate(file_, 0, file_.size(), DeflateWrapping::gzip, expected, unpacked_);
+  return {};
+}
+
+/// The format has no mark to know it by. Bytes that are something else, or in the other order, show as
+/// heights that no place has.
+Status HgtSource::check_plausible() const {
+  constexpr std::int64_t kRowsLookedAt = 16;
+  std::vector<std::byte> row(static_cast<std::size_t>(2 * info_.columns));
+  std::vector<float> metres(static_cast<std::size_t>(info_.columns));
+  std::int64_t heights = 0, impossible = 0;
+  for (std::int64_t i = 0; i < kRowsLookedAt; ++i) {
+    const std::int64_t r = i * (info_.rows - 1) / (kRowsLookedAt - 1);
+    if (auto read = read_at(static_cast<std::uint64_t>(r) * row.size(), row); !read) return read;
+    decode_heights(kEncoding, row.data(), metres.size(), 1, metres.data());
+    for (const float m : metres) {
+      heights += m == m;
+      impossible += m < -12000 || m > 9000;
+    }
+  }
+  if (4 * impossible <= heights) return {};
+  return bad_data(fmt::format("{}: expected heights from -12000 to 9000 m, found {} of {} outside",
+                              info_.path.string(), impossible, heights));
+}
+
+Status HgtSource::read_heights(const PostWindow& window, std::span<float> out) const {
+  if (auto prepared = prepare(); !prepared) return prepared;
+  const auto columns = static_cast<std::size_t>(window.columns);
+  std::vector<std::byte> row(2 * columns);
+  for (std::int64_t r = 0; r < window.rows; ++r) {
+    const std::int64_t at = 2 * ((window.row + r) * info_.columns + window.column);
+    if (auto read = read_at(static_cast<std::uint64_t>(at), row); !read) return read;
+    decode_heights(kEncoding, row.data(), columns, 1, out.data() + static_cast<std::size_t>(r) * columns);
+  }
+  return {};
+}
+
+bool claims(const fs::path& path, std::span<const std::byte>) {
+  const std::string name = lower(path.filename().string());
+  return name.ends_with(".hgt") || name.ends_with(".hgt.gz") || name.ends_with(".zip");
+}
+
+Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptions& options) {
+  auto file = InputFile::open(path);
+  if (!file) return file.error();
+  auto contents = look_into(*file);
+  if (!contents) return contents.error();
+  const auto cell = agreed_cell(path, contents->packing);
+  if (!cell) return cell.error();
+  const auto posts = posts_along(contents->bytes);
+  if (!posts)
+    return bad_data(
+        fmt::format("{}: size: expected 2884802 bytes (1201×1201 posts) or 25934402 (3601×3601), found {}",
+                    path.string(), contents->bytes));
+  RasterInfo info;
+  info.path = path;
+  info.format = "hgt";
+  info.columns = info.rows = *posts;
+  info.nodata = kEncoding.nodata;
+  const double spacing = 1.0 / static_cast<double>(*posts - 1);
+  info.georeference.x0 = cell->west;
+  info.georeference.y0 = cell->south + 1;
+  info.georeference.dx = spacing;
+  info.georeference.dy = -spacing;
+  if (auto placed = place_raster(info); !placed) return placed.error();
+  std::unique_ptr<RasterSource> source = std::make_unique<HgtSource>(
+      std::move(info), std::move(*file), std::move(contents->packing), options.cache_bytes);
+  return source;
+}
+
+}  // namespace
+
+extern const RasterFormat hgt_format;
+const RasterFormat hgt_format = {"hgt", 10, claims, open, true};
+
+}  // namespace cairn

@@ -1,0 +1,74 @@
+#include "builder/raster/georeference.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <GeographicLib/TransverseMercator.hpp>
+
+namespace cairn {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kWebMercatorRadius = 6378137;
+constexpr double kUtmFalseEasting = 500'000;
+constexpr double kUtmFalseNorthingSouth = 10'000'000;
+
+double central_meridian(int zone) {
+  return 6 * zone - 183;
+}
+
+double false_northing(bool north) {
+  return north ? 0 : kUtmFalseNorthingSouth;
+}
+
+LonLat from_utm(const Georeference& g, double x, double y) {
+  LonLat place;
+  GeographicLib::TransverseMercator::UTM().Reverse(central_meridian(g.utm_zone), x - kUtmFalseEasting,
+                                                   y - false_northing(g.utm_north), place.lat, place.lon);
+  // Zones 1 and 60 reach across the antimeridian; longitudes there go on, so that a raster stays in one
+  // piece.
+  const double middle = central_meridian(g.utm_zone);
+  place.lon = middle + std::remainder(place.lon - middle, 360);
+  return place;
+}
+
+LonLat to_utm(const Georeference& g, LonLat place) {
+  LonLat xy;
+  GeographicLib::TransverseMercator::UTM().Forward(central_meridian(g.utm_zone), place.lat, place.lon, xy.lon,
+                                                   xy.lat);
+  return {xy.lon + kUtmFalseEasting, xy.lat + false_northing(g.utm_north)};
+}
+
+LonLat from_web_mercator(double x, double y) {
+  return {x / (kWebMercatorRadius * kDegree), std::atan(std::sinh(y / kWebMercatorRadius)) / kDegree};
+}
+
+LonLat to_web_mercator(LonLat place) {
+  return {place.lon * kDegree * kWebMercatorRadius,
+          std::asinh(std::tan(place.lat * kDegree)) * kWebMercatorRadius};
+}
+
+}  // namespace
+
+LonLat Georeference::place_of(double column, double row) const {
+  const double x = x0 + column * dx;
+  const double y = y0 + row * dy;
+  switch (crs) {
+    case Crs::geographic:
+      return {x, y};
+    case Crs::utm:
+      return from_utm(*this, x, y);
+    case Crs::web_mercator:
+      return from_web_mercator(x, y);
+  }
+  return {};
+}
+
+Georeference::ColumnRow Georeference::post_at(LonLat place) const {
+  LonLat xy = place;
+  if (crs == Crs::utm) xy = to_utm(*this, place);
+  if (crs == Crs::web_mercator) xy = to_web_mercator(place);
+  return {(xy.lon - x0) / dx, (xy.lat - y0) / dy};
+}
+
+}  // namespace cairn

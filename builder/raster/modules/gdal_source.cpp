@@ -1,0 +1,298 @@
+// What the other readers cannot open, through GDAL: VRT, ASCII grids, ENVI, netCDF … A raster in one of
+// cairn's CRSs is read as it is; one in another, or turned, is warped to WGS84 on the fly (cubic), which
+// moves its posts.
+#include <cstdlib>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <fmt/format.h>
+#include <gdal.h>
+#include <gdal_utils.h>
+#include <ogr_srs_api.h>
+
+#include "builder/raster/colour_encoding.h"
+#include "builder/raster/crs.h"
+#include "builder/raster/height_encoding.h"
+#include "builder/raster/raster_placement.h"
+#include "builder/raster/raster_source.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr GIntBig kCacheBytes = 64 << 20;
+
+struct CloseDataset {
+  void operator()(void* dataset) const { GDALClose(dataset); }
+};
+using Dataset = std::unique_ptr<void, CloseDataset>;
+
+/// Silences GDAL on this thread and keeps its last complaint.
+class Quiet {
+ public:
+  Quiet() {
+    CPLPushErrorHandler(CPLQuietErrorHandler);
+    CPLErrorReset();
+  }
+  ~Quiet() { CPLPopErrorHandler(); }
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+
+  static std::string reason() {
+    const std::string text = CPLGetLastErrorMsg();
+    return text.empty() ? "nothing that GDAL opens" : text.substr(0, text.find('\n'));
+  }
+};
+
+void register_once() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    GDALAllRegister();
+    if (CPLGetConfigOption("GDAL_CACHEMAX", nullptr) == nullptr) GDALSetCacheMax64(kCacheBytes);
+  });
+}
+
+std::optional<SampleType> sample_type(GDALRasterBandH band) {
+  switch (GDALGetRasterDataType(band)) {
+    case GDT_Byte: {
+      const char* kind = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
+      return kind != nullptr && EQUAL(kind, "SIGNEDBYTE") ? SampleType::int8 : SampleType::uint8;
+    }
+    case GDT_UInt16:
+      return SampleType::uint16;
+    case GDT_Int16:
+      return SampleType::int16;
+    case GDT_UInt32:
+      return SampleType::uint32;
+    case GDT_Int32:
+      return SampleType::int32;
+    case GDT_Float32:
+      return SampleType::float32;
+    case GDT_Float64:
+      return SampleType::float64;
+    default:
+      return std::nullopt;
+  }
+}
+
+/// Whether the CRS is one of cairn's, and then sets it. A raster without CRS is taken as geographic.
+bool set_known_crs(GDALDatasetH dataset, Georeference& g) {
+  OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
+  if (crs == nullptr) return true;
+  const bool projected = OSRIsProjected(crs) != 0;
+  const char* part = projected ? "PROJCS" : "GEOGCS";
+  if (!projected && OSRIsGeographic(crs) == 0) return false;
+  if (projected && OSRGetLinearUnits(crs, nullptr) != 1) return false;
+  if (const char* code = OSRGetAuthorityCode(crs, part)) return set_crs(g, std::atoi(code));
+  const char* datum = OSRGetAuthorityCode(crs, "DATUM");
+  const char* name = OSRGetAttrValue(crs, "DATUM", 0);
+  const bool near =
+      (datum != nullptr && is_near_wgs84(std::atoi(datum))) || (name != nullptr && EQUAL(name, "WGS_1984"));
+  int north = 0;
+  const int zone = projected ? OSRGetUTMZone(crs, &north) : 0;
+  return near && (projected ? set_utm(g, zone, north != 0) : true);
+}
+
+/// The source's dataset as a virtual one in WGS84. Heights become float with NaN voids; images gain an alpha
+/// band.
+Dataset warped(GDALDatasetH source) {
+  const bool heights = GDALGetRasterCount(source) == 1;
+  std::vector<const char*> words = {"-of", "VRT", "-t_srs", "EPSG:4326", "-r", "cubic", "-et", "0"};
+  if (heights) words.insert(words.end(), {"-ot", "Float32", "-dstnodata", "nan"});
+  if (!heights) words.push_back("-dstalpha");
+  words.push_back(nullptr);
+  GDALWarpAppOptions* options = GDALWarpAppOptionsNew(const_cast<char**>(words.data()), nullptr);
+  GDALDatasetH sources[] = {source};
+  Dataset result(GDALWarp("", nullptr, 1, sources, options, nullptr));
+  GDALWarpAppOptionsFree(options);
+  return result;
+}
+
+/// A dataset, and the one below it where it is warped, which must outlive it.
+struct Opened {
+  Dataset source;
+  Dataset warp;
+  Georeference georeference;
+
+  GDALDatasetH get() const { return warp ? warp.get() : source.get(); }
+};
+
+bool place_by_transform(GDALDatasetH dataset, Georeference& g) {
+  double t[6];
+  if (GDALGetGeoTransform(dataset, t) != CE_None || t[2] != 0 || t[4] != 0) return false;
+  g.dx = t[1];
+  g.dy = t[5];
+  g.x0 = t[0] + t[1] / 2;
+  g.y0 = t[3] + t[5] / 2;
+  return true;
+}
+
+Result<Opened> open_dataset(const fs::path& path) {
+  Opened opened;
+  opened.source.reset(GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+  if (!opened.source || GDALGetRasterCount(opened.source.get()) < 1)
+    return bad_data(path.string() + ": expected a raster, found: " + Quiet::reason());
+  double ignored[6];
+  if (GDALGetGeoTransform(opened.source.get(), ignored) != CE_None)
+    return bad_data(path.string() + ": georeference: expected one, found none");
+  if (set_known_crs(opened.source.get(), opened.georeference) &&
+      place_by_transform(opened.source.get(), opened.georeference))
+    return opened;
+  opened.warp = warped(opened.source.get());
+  opened.georeference = {};
+  if (!opened.warp || !place_by_transform(opened.warp.get(), opened.georeference))
+    return bad_data(path.string() +
+                    ": CRS: expected one that can be warped to WGS84, found: " + Quiet::reason());
+  return opened;
+}
+
+class GdalSource final : public RasterSource {
+ public:
+  GdalSource(RasterInfo info, Opened opened, HeightEncoding encoding)
+      : RasterSource(std::move(info)), opened_(std::move(opened)), encoding_(encoding) {}
+
+  Status read_heights(const PostWindow& window, std::span<float> out) const override;
+  Status read_colours(const PostWindow& window, std::span<std::uint8_t> rgba) const override;
+
+ private:
+  Status read_band(GDALRasterBandH band, const PostWindow& window, GDALDataType type, void* out) const;
+  Status apply_mask(const PostWindow& window, const std::function<void(std::size_t)>& absent) const;
+
+  Opened opened_;
+  HeightEncoding encoding_;
+  mutable std::mutex mutex_;  // a GDAL dataset serves one thread at a time
+};
+
+Status GdalSource::read_band(GDALRasterBandH band, const PostWindow& w, GDALDataType type, void* out) const {
+  const auto columns = static_cast<int>(w.columns), rows = static_cast<int>(w.rows);
+  if (GDALRasterIO(band, GF_Read, static_cast<int>(w.column), static_cast<int>(w.row), columns, rows, out,
+                   columns, rows, type, 0, 0) == CE_None)
+    return {};
+  return bad_data(fmt::format("{}: column {}, row {}: expected posts, found: {}", info_.path.string(),
+                              w.column, w.row, Quiet::reason()));
+}
+
+/// Calls back for pixels that a mask or an alpha band leaves out.
+Status GdalSource::apply_mask(const PostWindow& window,
+                              const std::function<void(std::size_t)>& absent) const {
+  GDALRasterBandH band = GDALGetRasterBand(opened_.get(), 1);
+  if ((GDALGetMaskFlags(band) & GMF_PER_DATASET) == 0) return {};
+  std::vector<std::uint8_t> mask(static_cast<std::size_t>(window.columns * window.rows));
+  if (auto read = read_band(GDALGetMaskBand(band), window, GDT_Byte, mask.data()); !read) return read;
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (mask[i] == 0) absent(i);
+  return {};
+}
+
+Status GdalSource::read_heights(const PostWindow& window, std::span<float> out) const {
+  const Quiet quiet;
+  const std::lock_guard lock(mutex_);
+  GDALRasterBandH band = GDALGetRasterBand(opened_.get(), 1);
+  std::vector<std::byte> samples(static_cast<std::size_t>(window.columns * window.rows) *
+                                 size_of(info_.type));
+  if (auto read = read_band(band, window, GDALGetRasterDataType(band), samples.data()); !read) return read;
+  decode_heights(encoding_, samples.data(), out.size(), 1, out.data());
+  return apply_mask(window, [&](std::size_t i) { out[i] = std::numeric_limits<float>::quiet_NaN(); });
+}
+
+Status GdalSource::read_colours(const PostWindow& window, std::span<std::uint8_t> rgba) const {
+  const Quiet quiet;
+  const std::lock_guard lock(mutex_);
+  if (info_.type != SampleType::uint8 && info_.type != SampleType::uint16)
+    return bad_data(fmt::format("{}: image: expected samples of 8 or 16 bits, found {}", info_.path.string(),
+                                to_string(info_.type)));
+  ColourEncoding colours;
+  colours.type = info_.type;
+  colours.bits = info_.type == SampleType::uint8 ? 8 : 16;
+  colours.channels = info_.bands >= 3 ? std::vector{0, 1, 2} : std::vector{0};
+  colours.nodata = info_.nodata;
+  ColourAssembly assembly(colours, rgba);
+  std::vector<std::byte> samples(rgba.size() / 4 * size_of(info_.type));
+  for (const int channel : colours.channels) {
+    GDALRasterBandH band = GDALGetRasterBand(opened_.get(), channel + 1);
+    if (auto read = read_band(band, window, GDALGetRasterDataType(band), samples.data()); !read) return read;
+    assembly.add(channel, 0, rgba.size() / 4, samples.data(), 1);
+  }
+  assembly.finish();
+  return apply_mask(window, [&](std::size_t i) { rgba[4 * i + 3] = 0; });
+}
+
+Result<HeightEncoding> encoding_of(GDALDatasetH dataset, const fs::path& path) {
+  GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
+  const auto type = sample_type(band);
+  if (!type)
+    return bad_data(fmt::format("{}: expected real samples of at most 64 bits, found {}", path.string(),
+                                GDALGetDataTypeName(GDALGetRasterDataType(band))));
+  const std::string unit = GDALGetRasterUnitType(band);
+  const double metres = metres_of_unit(unit);
+  if (metres == 0)
+    return bad_data(fmt::format("{}: heights: expected metres or feet, found {}", path.string(), unit));
+  HeightEncoding encoding{.type = *type};
+  int has = 0;
+  const double nodata = GDALGetRasterNoDataValue(band, &has);
+  if (has != 0) encoding.nodata = nodata;
+  const double scale = GDALGetRasterScale(band, &has);
+  if (has != 0 && scale != 0) encoding.scale = scale;
+  const double offset = GDALGetRasterOffset(band, &has);
+  if (has != 0) encoding.offset = offset;
+  encoding.scale *= metres;
+  encoding.offset *= metres;
+  return encoding;
+}
+
+/// A file that was cut shows at its last row, which GDAL does not look at before it is read.
+Status check_last_row(GDALDatasetH dataset, const fs::path& path) {
+  const int columns = GDALGetRasterXSize(dataset), last = GDALGetRasterYSize(dataset) - 1;
+  std::vector<double> row(static_cast<std::size_t>(columns));
+  if (GDALRasterIO(GDALGetRasterBand(dataset, 1), GF_Read, 0, last, columns, 1, row.data(), columns, 1,
+                   GDT_Float64, 0, 0) == CE_None)
+    return {};
+  return bad_data(fmt::format("{}: row {}: expected posts, found: {}", path.string(), last, Quiet::reason()));
+}
+
+Result<std::unique_ptr<RasterSource>> open(const fs::path& path) {
+  register_once();
+  const Quiet quiet;
+  auto opened = open_dataset(path);
+  if (!opened) return opened.error();
+  const auto encoding = encoding_of(opened->get(), path);
+  if (!encoding) return encoding.error();
+  RasterInfo info;
+  info.path = path;
+  info.format = std::string("gdal ") + GDALGetDriverShortName(GDALGetDatasetDriver(opened->source.get()));
+  info.columns = GDALGetRasterXSize(opened->get());
+  info.rows = GDALGetRasterYSize(opened->get());
+  info.bands = GDALGetRasterCount(opened->get());
+  info.type = encoding->type;
+  info.whole_metres = encoding->whole_metres();
+  info.georeference = opened->georeference;
+  info.nodata = encoding->nodata;
+  if (auto placed = place_raster(info); !placed) return placed.error();
+  if (auto last = check_last_row(opened->source.get(), path); !last) return last.error();
+  std::unique_ptr<RasterSource> source =
+      std::make_unique<GdalSource>(std::move(info), std::move(*opened), *encoding);
+  return source;
+}
+
+}  // namespace
+
+}  // namespace cairn
+
+/// The module's one entry: cairn::OpenThroughGdal.
+extern "C" __attribute__((visibility("default"))) void cairn_open_through_gdal(
+    const std::filesystem::path& path, cairn::Result<std::unique_ptr<cairn::RasterSource>>& out) {
+  try {
+    out = cairn::open(path);
+  } catch (const std::exception& e) {
+    out = cairn::bad_data(path.string() + ": expected a raster, found: " + e.what());
+  }
+}

@@ -1,0 +1,244 @@
+#include "builder/raster/tiff/geotiff_tags.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "builder/raster/crs.h"
+#include "builder/raster/io/printable.h"
+#include "builder/raster/tiff/gdal_metadata.h"
+
+namespace cairn {
+namespace {
+
+// Tags.
+constexpr std::uint32_t kPixelScale = 33550, kTiepoint = 33922, kTransformation = 34264,
+                        kKeyDirectory = 34735, kDoubleParams = 34736, kAsciiParams = 34737,
+                        kGdalNodata = 42113;
+// Keys.
+constexpr int kModelType = 1024, kRasterType = 1025, kCitation = 1026, kGeographicType = 2048,
+              kGeogCitation = 2049, kGeodeticDatum = 2050, kAngularUnits = 2054, kEllipsoid = 2056,
+              kProjectedType = 3072, kProjectedCitation = 3073, kProjection = 3074, kProjMethod = 3075,
+              kLinearUnits = 3076, kNaturalOriginLon = 3080, kNaturalOriginLat = 3081, kFalseEasting = 3082,
+              kFalseNorthing = 3083, kScaleAtOrigin = 3092, kVerticalType = 4096, kVerticalUnits = 4099;
+// Values.
+constexpr int kProjected = 1, kGeographic = 2, kPixelIsPoint = 2, kUserDefined = 32767, kDegree = 9102,
+              kMetre = 9001, kTransverseMercator = 1;
+
+int key(const GeoTiffTags& tags, int id) {
+  const auto found = tags.short_keys.find(id);
+  return found == tags.short_keys.end() ? 0 : found->second;
+}
+
+double number(const GeoTiffTags& tags, int id, double otherwise) {
+  const auto found = tags.double_keys.find(id);
+  return found == tags.double_keys.end() ? otherwise : found->second;
+}
+
+std::string text(const GeoTiffTags& tags, int id) {
+  const auto found = tags.ascii_keys.find(id);
+  return found == tags.ascii_keys.end() ? "" : found->second;
+}
+
+/// What the file calls its CRS, for a message.
+std::string crs_name(const GeoTiffTags& tags) {
+  const int projected = key(tags, kProjectedType), geographic = key(tags, kGeographicType);
+  std::string name;
+  for (const int id : {kProjectedCitation, kCitation, kGeogCitation})
+    if (name.empty()) name = text(tags, id);
+  const bool is_projected = key(tags, kModelType) == kProjected || projected != 0;
+  const int code = is_projected ? projected : geographic;
+  const std::string epsg =
+      code == 0 || code == kUserDefined ? "a user-defined CRS" : fmt::format("EPSG:{}", code);
+  return name.empty() ? epsg : fmt::format("{} ({})", epsg, printable(name));
+}
+
+Error unknown_crs(const GeoTiffTags& tags, const std::filesystem::path& path) {
+  return bad_data(fmt::format("{}: CRS: expected geographic WGS84 or NAD83, UTM or Web Mercator, found {}",
+                              path.string(), crs_name(tags)));
+}
+
+/// Whether the datum, in whatever way it is written, is one that cairn takes for WGS84.
+bool has_known_datum(const GeoTiffTags& tags) {
+  constexpr int kWgs84Ellipsoid = 7030;
+  const int code = key(tags, kGeographicType), datum = key(tags, kGeodeticDatum);
+  Georeference ignored;
+  if (code != 0 && code != kUserDefined)
+    return set_crs(ignored, code) && ignored.crs == Georeference::Crs::geographic;
+  if (datum != 0 && datum != kUserDefined) return is_near_wgs84(datum);
+  const int ellipsoid = key(tags, kEllipsoid);
+  return ellipsoid == 0 || ellipsoid == kWgs84Ellipsoid;
+}
+
+/// UTM spelt out: by the projection's code (16001…16060 north, 16101…16160 south) or by its parameters.
+bool set_user_defined_utm(const GeoTiffTags& tags, Georeference& g) {
+  const int projection = key(tags, kProjection);
+  if (projection > 16000 && projection <= 16060) return set_utm(g, projection - 16000, true);
+  if (projection > 16100 && projection <= 16160) return set_utm(g, projection - 16100, false);
+  if (key(tags, kProjMethod) != kTransverseMercator) return false;
+  const double zone = (number(tags, kNaturalOriginLon, -1) + 183) / 6;
+  const double north = number(tags, kFalseNorthing, 0);
+  const bool is_utm = number(tags, kNaturalOriginLat, 0) == 0 && number(tags, kScaleAtOrigin, 1) == 0.9996 &&
+                      number(tags, kFalseEasting, 0) == 500000 && (north == 0 || north == 10000000);
+  return is_utm && zone == std::floor(zone) && zone >= 1 && zone <= 60 &&
+         set_utm(g, static_cast<int>(zone), north == 0);
+}
+
+Status check_units(const GeoTiffTags& tags, const std::filesystem::path& path, bool projected) {
+  const int angular = key(tags, kAngularUnits), linear = key(tags, kLinearUnits);
+  if (projected && linear != 0 && linear != kMetre)
+    return bad_data(
+        fmt::format("{}: CRS: expected metres, found the linear unit EPSG:{}", path.string(), linear));
+  if (!projected && angular != 0 && angular != kDegree)
+    return bad_data(
+        fmt::format("{}: CRS: expected degrees, found the angular unit EPSG:{}", path.string(), angular));
+  return {};
+}
+
+/// Raster coordinates (i, j) to the CRS: x = a·i + b, y = d·j + e.
+struct Affine {
+  double a = 0, b = 0, d = 0, e = 0;
+};
+
+Result<Affine> affine_of(const GeoTiffTags& tags, const std::filesystem::path& path) {
+  const auto bad = [&](const std::string& what) {
+    return bad_data(path.string() + ": georeference: " + what);
+  };
+  if (tags.transformation.size() >= 8) {
+    const auto& m = tags.transformation;
+    if (m[1] != 0 || m[4] != 0)
+      return bad(fmt::format("expected a raster that is not turned, found a rotation ({}, {})", m[1], m[4]));
+    return Affine{m[0], m[3], m[5], m[7]};
+  }
+  if (tags.tiepoints.size() < 6) return bad("expected tie points or a transformation, found none");
+  if (tags.pixel_scale.size() < 2)
+    return bad(
+        fmt::format("expected a pixel scale, found none beside {} tie points", tags.tiepoints.size() / 6));
+  const auto& t = tags.tiepoints;
+  const double sx = tags.pixel_scale[0], sy = tags.pixel_scale[1];
+  return Affine{sx, t[3] - t[0] * sx, -sy, t[4] + t[1] * sy};
+}
+
+std::optional<double> parse_number(std::string_view s) {
+  while (!s.empty() && (s.front() == ' ' || s.front() == '+' || s.front() == '\n')) s.remove_prefix(1);
+  while (!s.empty() && (s.back() == ' ' || s.back() == '\n')) s.remove_suffix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(s.data(), s.data() + s.size(), value);
+  return error == std::errc() && end == s.data() + s.size() ? std::optional(value) : std::nullopt;
+}
+
+/// Metres of the vertical CRS's unit; 0 where it is unknown or counts downwards.
+double metres_of_vertical_keys(const GeoTiffTags& tags) {
+  const int unit = key(tags, kVerticalUnits);
+  if (unit != 0 && unit != kUserDefined) return metres_of_unit(unit);
+  switch (key(tags, kVerticalType)) {
+    case 5702:  // NGVD29 and NAVD88 heights in US survey feet
+    case 6360:
+      return metres_of_unit(9003);
+    case 8228:
+      return metres_of_unit(9002);  // NAVD88 height (ft)
+    case 5715:                      // depths
+    case 6357:
+    case 6358:
+      return 0;
+    default:
+      return 1;
+  }
+}
+
+}  // namespace
+
+void parse_geo_keys(std::span<const std::uint16_t> directory, std::span<const double> doubles,
+                    std::string_view ascii, GeoTiffTags& tags) {
+  for (std::size_t i = 4; i + 4 <= directory.size(); i += 4) {
+    const int id = directory[i];
+    const std::size_t count = directory[i + 2], value = directory[i + 3];
+    switch (directory[i + 1]) {
+      case 0:
+        tags.short_keys[id] = static_cast<int>(value);
+        break;
+      case kDoubleParams:
+        if (value < doubles.size()) tags.double_keys[id] = doubles[value];
+        break;
+      case kAsciiParams: {
+        if (value >= ascii.size()) break;
+        std::string_view words = ascii.substr(value, count);
+        while (!words.empty() && (words.back() == '|' || words.back() == '\0')) words.remove_suffix(1);
+        tags.ascii_keys[id] = std::string(words);
+        break;
+      }
+      default:
+        break;
+    }
+  }
+}
+
+GeoTiffTags read_geotiff_tags(const TiffHandle& handle) {
+  GeoTiffTags tags;
+  tags.pixel_scale = handle.doubles(kPixelScale);
+  tags.tiepoints = handle.doubles(kTiepoint);
+  tags.transformation = handle.doubles(kTransformation);
+  tags.gdal_metadata = handle.ascii(kGdalMetadataTag);
+  tags.gdal_nodata = handle.ascii(kGdalNodata);
+  parse_geo_keys(handle.shorts(kKeyDirectory), handle.doubles(kDoubleParams), handle.ascii(kAsciiParams),
+                 tags);
+  return tags;
+}
+
+Status read_crs(const GeoTiffTags& tags, const std::filesystem::path& path, Georeference& g) {
+  const int model = key(tags, kModelType), projected = key(tags, kProjectedType);
+  if (model == kProjected || (model == 0 && projected != 0)) {
+    const bool spelt_out = projected == 0 || projected == kUserDefined;
+    const bool known = spelt_out ? has_known_datum(tags) && set_user_defined_utm(tags, g)
+                                 : set_crs(g, projected) && g.crs != Georeference::Crs::geographic;
+    if (!known) return unknown_crs(tags, path);
+    return check_units(tags, path, true);
+  }
+  if (model != 0 && model != kGeographic) return unknown_crs(tags, path);
+  if (!has_known_datum(tags)) return unknown_crs(tags, path);
+  g.crs = Georeference::Crs::geographic;
+  return check_units(tags, path, false);
+}
+
+Result<Georeference> georeference_of(const GeoTiffTags& tags, const std::filesystem::path& path) {
+  Georeference g;
+  if (auto crs = read_crs(tags, path, g); !crs) return crs.error();
+  const auto affine = affine_of(tags, path);
+  if (!affine) return affine.error();
+  const double centre = key(tags, kRasterType) == kPixelIsPoint ? 0 : 0.5;
+  g.x0 = affine->a * centre + affine->b;
+  g.y0 = affine->d * centre + affine->e;
+  g.dx = affine->a;
+  g.dy = affine->d;
+  return g;
+}
+
+Result<HeightScale> height_scale_of(const GeoTiffTags& tags, const std::filesystem::path& path) {
+  HeightScale height;
+  const auto item = [&](const char* role) { return gdal_metadata_item(tags.gdal_metadata, role, 0); };
+  if (const auto scale = item("scale")) height.scale = parse_number(*scale).value_or(1);
+  if (const auto offset = item("offset")) height.offset = parse_number(*offset).value_or(0);
+  const std::string unit = item("unittype").value_or("");
+  const double metres = unit.empty() ? metres_of_vertical_keys(tags) : metres_of_unit(unit);
+  if (metres == 0)
+    return bad_data(fmt::format("{}: heights: expected metres or feet above a datum, found {}", path.string(),
+                                unit.empty()
+                                    ? fmt::format("the vertical CRS EPSG:{}, unit EPSG:{}",
+                                                  key(tags, kVerticalType), key(tags, kVerticalUnits))
+                                    : printable(unit)));
+  if (!std::isfinite(height.scale) || height.scale == 0 || !std::isfinite(height.offset))
+    return bad_data(
+        fmt::format("{}: heights: expected a scale above zero, found {}", path.string(), height.scale));
+  height.scale *= metres;
+  height.offset *= metres;
+  return height;
+}
+
+std::optional<double> nodata_of(const GeoTiffTags& tags) {
+  return parse_number(tags.gdal_nodata);
+}
+
+}  // namespace cairn

@@ -1,0 +1,189 @@
+#include "builder/voids/lattice_fill.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "builder/voids/void_fill.h"
+
+namespace cairn {
+namespace {
+
+constexpr std::int64_t kPassPosts = 1024;  // along a side of a block of the gathering pass
+
+IndexWindow window_of(const PostBlock& block) {
+  return {{block.i0, block.i0 + block.columns - 1}, {block.j0, block.j0 + block.rows - 1}};
+}
+
+// Whether the windows overlap or have neighbouring posts.
+bool touch(const IndexWindow& a, const IndexWindow& b) {
+  return a.x.first <= b.x.last + 1 && b.x.first <= a.x.last + 1 && a.y.first <= b.y.last + 1 &&
+         b.y.first <= a.y.last + 1;
+}
+
+IndexWindow hull(const IndexWindow& a, const IndexWindow& b) {
+  return {{std::min(a.x.first, b.x.first), std::max(a.x.last, b.x.last)},
+          {std::min(a.y.first, b.y.first), std::max(a.y.last, b.y.last)}};
+}
+
+IndexWindow moved(IndexWindow w, std::int64_t columns) {
+  w.x.first += columns;
+  w.x.last += columns;
+  return w;
+}
+
+// Groups of extents that hang together, by number.
+std::vector<std::vector<std::size_t>> connected(const std::vector<IndexWindow>& extents) {
+  std::vector<std::vector<std::size_t>> groups;
+  std::vector<bool> seen(extents.size(), false);
+  for (std::size_t start = 0; start < extents.size(); ++start) {
+    if (seen[start]) continue;
+    seen[start] = true;
+    groups.push_back({start});
+    for (std::size_t k = 0; k < groups.back().size(); ++k) {
+      for (std::size_t other = 0; other < extents.size(); ++other) {
+        if (seen[other] || !touch(extents[groups.back()[k]], extents[other])) continue;
+        seen[other] = true;
+        groups.back().push_back(other);
+      }
+    }
+  }
+  return groups;
+}
+
+IndexWindow grown(const IndexWindow& w, std::int64_t by) {
+  return {{w.x.first - by, w.x.last + by}, {w.y.first - by, w.y.last + by}};
+}
+
+IndexRange clamped(const IndexRange& range, const IndexRange& to) {
+  return {std::clamp(range.first, to.first, to.last), std::clamp(range.last, to.first, to.last)};
+}
+
+std::int64_t beyond(std::int64_t at, const IndexRange& range) {
+  return std::max({range.first - at, at - range.last, std::int64_t{0}});
+}
+
+}  // namespace
+
+LatticeFill::LatticeFill(std::vector<IndexWindow> extents, std::int64_t around, ReadPosts read_posts)
+    : around_(around), read_posts_(std::move(read_posts)) {
+  for (const auto& group : connected(extents)) {
+    auto cluster = std::make_unique<Cluster>();
+    cluster->extent = extents[group.front()];
+    for (const std::size_t member : group) {
+      cluster->extent = hull(cluster->extent, extents[member]);
+      cluster->members.push_back(extents[member]);
+    }
+    clusters_.push_back(std::move(cluster));
+  }
+}
+
+Result<FillPyramid> LatticeFill::gather(const Cluster& cluster) const {
+  FillPyramidBuilder builder(cluster.extent);
+  for (std::int64_t y = cluster.extent.y.first; y <= cluster.extent.y.last; y += kPassPosts) {
+    for (std::int64_t x = cluster.extent.x.first; x <= cluster.extent.x.last; x += kPassPosts) {
+      const IndexWindow window{{x, std::min(x + kPassPosts - 1, cluster.extent.x.last)},
+                               {y, std::min(y + kPassPosts - 1, cluster.extent.y.last)}};
+      const auto block = read_posts_(window.x, window.y);
+      if (!block) return block.error();
+      builder.add(window, block->heights);
+    }
+  }
+  return builder.complete();
+}
+
+// Fills the block's voids that lie in `window`, a part of the cluster as the block counts its posts.
+Status LatticeFill::fill_voids_of(Cluster& cluster, const IndexWindow& window, PostBlock& block) const {
+  std::call_once(cluster.once, [&] { cluster.pyramid = gather(cluster); });
+  if (!cluster.pyramid->ok()) return cluster.pyramid->error();
+  const FillPyramid& pyramid = **cluster.pyramid;
+  if (pyramid.empty()) return {};
+  const IndexWindow needed = posts_to_fill(window);
+  const auto posts = read_posts_(needed.x, needed.y);
+  if (!posts) return posts.error();
+  std::vector<float> filled(static_cast<std::size_t>(window.count()));
+  fill_voids(pyramid, posts->heights, window, filled);
+  std::size_t at = 0;
+  for (std::int64_t j = window.y.first; j <= window.y.last; ++j) {
+    for (std::int64_t i = window.x.first; i <= window.x.last; ++i, ++at) {
+      const std::size_t post = block.index(static_cast<int>(i - block.i0), static_cast<int>(j - block.j0));
+      if (block.owners[post] == PostBlock::kVoid) block.heights[post] = filled[at];
+    }
+  }
+  return {};
+}
+
+// The members that come within reach of the window, each with the posts of its that are nearest to the
+// window's.
+Result<std::vector<LatticeFill::Edge>> LatticeFill::edges_near(const IndexWindow& window) const {
+  std::vector<Edge> edges;
+  for (const auto& cluster : clusters_) {
+    for (const IndexWindow& extent : cluster->members) {
+      for (const std::int64_t turn : {-around_, std::int64_t{0}, around_}) {
+        const IndexWindow member = moved(extent, turn);
+        if (!touch(member, grown(window, reach_))) continue;
+        const IndexWindow nearest{clamped(window.x, member.x), clamped(window.y, member.y)};
+        auto posts = read_posts_(nearest.x, nearest.y);
+        if (!posts) return posts.error();
+        if (auto status = fill_voids_in(*posts); !status) return status.error();
+        edges.push_back({member, std::move(*posts)});
+      }
+    }
+  }
+  return edges;
+}
+
+// Posts that no member has take the height of the nearest post that one has; those out of reach count for
+// nothing, and get 0.
+Status LatticeFill::extend(PostBlock& block) const {
+  const auto edges = edges_near(window_of(block));
+  if (!edges) return edges.error();
+  for (int r = 0; r < block.rows; ++r) {
+    for (int c = 0; c < block.columns; ++c) {
+      float& height = block.heights[block.index(c, r)];
+      if (!std::isnan(height)) continue;
+      height = 0;
+      std::int64_t nearest = INT64_MAX;
+      for (const Edge& edge : *edges) {
+        const std::int64_t i = block.i0 + c;
+        const std::int64_t j = block.j0 + r;
+        const std::int64_t distance = std::max(beyond(i, edge.member.x), beyond(j, edge.member.y));
+        if (distance >= nearest) continue;
+        const auto column =
+            static_cast<int>(std::clamp(i, edge.member.x.first, edge.member.x.last) - edge.posts.i0);
+        const auto row =
+            static_cast<int>(std::clamp(j, edge.member.y.first, edge.member.y.last) - edge.posts.j0);
+        const float there = edge.posts.heights[edge.posts.index(column, row)];
+        if (std::isnan(there)) continue;
+        nearest = distance;
+        height = there;
+      }
+    }
+  }
+  return {};
+}
+
+Status LatticeFill::fill_voids_in(PostBlock& block) const {
+  if (std::find(block.owners.begin(), block.owners.end(), PostBlock::kVoid) == block.owners.end()) return {};
+  const IndexWindow window = window_of(block);
+  for (const auto& cluster : clusters_) {
+    for (const std::int64_t turn : {-around_, std::int64_t{0}, around_}) {
+      const IndexWindow extent = moved(cluster->extent, turn);
+      const IndexWindow part{
+          {std::max(window.x.first, extent.x.first), std::min(window.x.last, extent.x.last)},
+          {std::max(window.y.first, extent.y.first), std::min(window.y.last, extent.y.last)}};
+      if (part.x.count() <= 0 || part.y.count() <= 0) continue;
+      if (auto status = fill_voids_of(*cluster, part, block); !status) return status;
+    }
+  }
+  return {};
+}
+
+Status LatticeFill::complete(PostBlock& block) const {
+  if (auto status = fill_voids_in(block); !status) return status;
+  if (std::find(block.owners.begin(), block.owners.end(), PostBlock::kOutside) == block.owners.end())
+    return {};
+  return extend(block);
+}
+
+}  // namespace cairn

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "builder/resample/index_window.h"
+#include "builder/resample/post_block.h"
+#include "builder/voids/fill_pyramid.h"
+#include "format/status.h"
+
+namespace cairn {
+
+/// Gives every post of a lattice group a height, so that samples can be made of them: voids are filled
+/// smoothly from their rims, posts beyond all members, within reach, take the height of the nearest post of a
+/// member.
+///
+/// Rasters that touch are filled as one. What is needed far from a void's rim is gathered in one pass over
+/// such a cluster, the first time that a void is met. Safe to call from several threads.
+class LatticeFill {
+ public:
+  using ReadPosts = std::function<Result<PostBlock>(IndexRange columns, IndexRange rows)>;
+
+  /// `extents`: of the members; `read_posts`: the mosaic's posts, voids and all. `around`: posts around the
+  /// Earth.
+  LatticeFill(std::vector<IndexWindow> extents, std::int64_t around, ReadPosts read_posts);
+
+  /// How many posts beyond its members the group is asked for, at most. Not while other threads call
+  /// complete().
+  void set_reach(std::int64_t posts) { reach_ = posts + kLeastReach; }
+
+  /// Completes the heights of a block that has posts without a value.
+  Status complete(PostBlock& block) const;
+
+ private:
+  struct Cluster {
+    IndexWindow extent;
+    std::vector<IndexWindow> members;
+    std::once_flag once;
+    std::optional<Result<FillPyramid>> pyramid;  // set under `once`
+  };
+
+  Status fill_voids_of(Cluster& cluster, const IndexWindow& window, PostBlock& block) const;
+  Result<FillPyramid> gather(const Cluster& cluster) const;
+  Status fill_voids_in(PostBlock& block) const;
+  Status extend(PostBlock& block) const;
+
+  struct Edge {
+    IndexWindow member;
+    PostBlock posts;
+  };
+  Result<std::vector<Edge>> edges_near(const IndexWindow& window) const;
+
+  static constexpr std::int64_t kLeastReach = 64;  // posts: more than any sample's weights span
+  std::int64_t reach_ = kLeastReach;
+
+  std::int64_t around_;
+  ReadPosts read_posts_;
+  std::vector<std::unique_ptr<Cluster>> clusters_;
+};
+
+}  // namespace cairn

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <unordered_set>
+#include <vector>
+
+#include "runtime/paging/cover.h"
+#include "runtime/paging/load_queue.h"
+#include "runtime/paging/pack_contents.h"
+#include "runtime/paging/tile_cache.h"
+#include "runtime/view/visible_set.h"
+
+namespace cairn {
+
+struct PagerOptions {
+  std::uint64_t cache_bytes = 512u << 20;   ///< all that tiles may take, those being loaded included
+  std::uint64_t delivery_bytes = 8u << 20;  ///< a frame hands over tiles until they reach this; one at least
+  int workers = 2;
+};
+
+/// Brings the cover that is drawn towards the cover that is wanted, never through a hole: where the two
+/// differ, what is drawn stays until all that replaces it is there.
+///
+/// Where more than 16 tiles would replace one, or memory is short, the tile's children come first, so that a
+/// cold start shows coarse before fine. What is largest on the screen is loaded first: the smallest ratio of
+/// distance to width, visible before invisible; then what lies ahead, if memory allows.
+///
+/// The byte budget is hard. Of it, each worker takes what reading one tile needs; a refinement begins only
+/// if all its tiles fit beside all that is drawn, with a tile to spare, which a coarsening may use, so that
+/// memory can always be won back.
+///
+/// Threads: all of it belongs to one thread, the owner. Only the loader behind the queue has others.
+class Pager {
+ public:
+  /// `contents` must outlive the pager; damaged tiles are noted in it. REQUIRES: cache_bytes >=
+  /// least_bytes().
+  Pager(PackContents& contents, ReadTile read, const Occluder& occluder, const PagerOptions& options);
+
+  /// The least budget that can work with this pack and this many workers.
+  static std::uint64_t least_bytes(const PackContents& contents, int workers);
+
+  /// Whether the cover's tiles fit the budget, with what it takes to replace them.
+  bool fits(const Cover& cover) const;
+
+  /// What to draw from now on. REQUIRES: fits(target), or no coarser one does.
+  void set_target(Cover target);
+  const Cover& target() const { return target_; }
+  /// What may be wanted next, after all that is.
+  void set_ahead(std::vector<IndexEntry> ahead);
+
+  /// Takes in what was loaded and replaces what can be replaced. Never waits.
+  void advance();
+  /// Asks for what is missing, and evicts to make room for it: let go of tiles that are drawn no more before.
+  void request(const ViewVolume& view);
+
+  /// Covers the Earth; each tile's data is resident. At first the root, which shows nothing.
+  const Cover& drawn() const { return drawn_; }
+  /// Counts the changes of drawn().
+  std::uint64_t drawn_version() const { return drawn_version_; }
+  bool is_settled() const { return settled_; }
+  /// Counts the tiles found damaged: after a change the target has to be made anew.
+  std::uint64_t damage_version() const { return damage_version_; }
+
+  const LoadedTile* find(const IndexEntry& entry) const { return cache_.find(key_of(entry)); }
+  std::vector<TileKey> take_evicted() { return cache_.take_evicted(); }
+  /// What went wrong since the last call; each tile once.
+  std::vector<Error> take_errors();
+  void add_to(PagingStats& stats) const;
+
+ private:
+  struct Need;
+
+  void receive(LoadQueue::Clock::time_point now);
+  void give_up(const IndexEntry& entry, const Error& error);
+  bool replace_what_is_ready();
+  bool replace(const CoverChange& change, Cover& next);
+  bool is_ready(const CoverTile& tile) const;
+  Cover children_of(const CoverTile& tile) const;
+  Need need_for(const CoverChange& change, const ViewVolume& view) const;
+  std::vector<IndexEntry> sources_for(const CoverChange& change) const;
+  void plan(const ViewVolume& view);
+  void admit(const Need& need);
+  bool hold(std::span<const IndexEntry> sources, std::uint64_t limit);
+  void ask(LoadQueue::Clock::time_point now);
+  std::uint64_t bytes_of(const IndexEntry& entry) const;
+
+  PackContents& contents_;
+  const Occluder occluder_;
+  const PagerOptions options_;
+  const std::uint64_t place_bytes_;  // of the tiles of one area at most
+  const std::uint64_t capacity_;     // of the cache and of what is under way
+
+  TileCache cache_;
+  Cover drawn_;
+  Cover target_;
+  std::vector<IndexEntry> ahead_;
+  bool settled_ = false;
+  bool planned_ = false;   // and nothing has changed since
+  bool outdated_ = false;  // the target shows tiles that were found damaged since
+  std::uint64_t drawn_version_ = 1;
+  std::uint64_t damage_version_ = 0;
+
+  // The plan of this update.
+  std::unordered_set<TileKey> held_;  // drawn, or to be
+  std::uint64_t held_bytes_ = 0;
+  std::vector<IndexEntry> missing_;  // of those held, in the order in which they are wanted
+
+  std::unordered_set<TileKey> reported_;
+  std::vector<Error> errors_;
+  std::uint64_t damaged_ = 0;
+  LoadQueue queue_;  // last, so that its threads end before what they deliver to
+};
+
+}  // namespace cairn

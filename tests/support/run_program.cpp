@@ -1,0 +1,75 @@
+#include "tests/support/run_program.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include <catch2/catch.hpp>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/support/test_data.h"
+
+namespace cairn::test {
+namespace {
+
+void redirect(int descriptor, const std::filesystem::path& path, int flags) {
+  const int file = ::open(path.c_str(), flags, 0666);
+  if (file < 0 || ::dup2(file, descriptor) < 0) ::_exit(126);
+}
+
+// Its stdin, stdout and stderr are files of that folder.
+pid_t start(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
+  std::vector<std::string> words{CAIRN_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    redirect(0, folder / "in", O_RDONLY);
+    redirect(1, folder / "out", O_WRONLY | O_CREAT);
+    redirect(2, folder / "err", O_WRONLY | O_CREAT);
+    ::execv(argv[0], argv.data());
+    ::_exit(127);
+  }
+  return child;
+}
+
+}  // namespace
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+Ran run_cairn(const std::vector<std::string>& arguments, const std::string& input) {
+  const TempDir dir;
+  std::ofstream(dir.path() / "in", std::ios::binary) << input;
+  const pid_t child = start(arguments, dir.path());
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(dir.path() / "out"),
+          text_of(dir.path() / "err")};
+}
+
+bool run_cairn_and_kill(const std::vector<std::string>& arguments, std::chrono::milliseconds after) {
+  const TempDir dir;
+  std::ofstream(dir.path() / "in");
+  const pid_t child = start(arguments, dir.path());
+  std::this_thread::sleep_for(after);
+  ::kill(child, SIGKILL);
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  return WIFSIGNALED(status);
+}
+
+bool is_one_line(const std::string& text) {
+  return std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
+}
+
+}  // namespace cairn::test
