@@ -16,10 +16,10 @@ struct DryRun {
   int tile_size = 0;
   int top = 0;
   int finest = 0;
-  double promise_m = 0;
+  double error_bound_m = 0;
   double quantum_m = 0;
   GeoBounds bounds;
-  std::map<int, std::uint64_t> tiles;          ///< by level, before economy leaves any out
+  std::map<int, std::uint64_t> tiles;          ///< by level, before pruning leaves any out
   std::map<int, std::uint64_t> texture_tiles;  ///< of the imagery layer, likewise
   std::uint64_t samples = 0;                   ///< of the finest tiles of heights
   std::uint64_t estimated_bytes = 0;           ///< of the pack, from a few tiles baked on trial
@@ -29,11 +29,11 @@ struct DryRun {
 
 /// What a bake did.
 struct BuildReport {
-  std::string metadata_json;  ///< as it is in the pack
-  bool promise_kept = true;   ///< false only with BuildOptions::allow_error
-  std::string warning;        ///< empty where all is well
-  std::uint64_t samples = 0;  ///< of the finest tiles of heights
-  std::uint64_t texels = 0;   ///< of the finest tiles of imagery
+  std::string metadata_json;       ///< as it is in the pack
+  bool within_error_bound = true;  ///< false only with BuildOptions::allow_error
+  std::string warning;             ///< empty where all is well
+  std::uint64_t samples = 0;       ///< of the finest tiles of heights
+  std::uint64_t texels = 0;        ///< of the finest tiles of imagery
   std::uint64_t file_bytes = 0;
   double seconds = 0;
   int threads = 0;

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <limits>
 
-#include "format/wide.h"
+#include "format/simd_clones.h"
 
 namespace cairn {
 
 namespace {
 
-CAIRN_WIDE HeightRange range_of_all(const std::int32_t* samples, std::size_t count) {
+CAIRN_SIMD_CLONES HeightRange range_of_all(const std::int32_t* samples, std::size_t count) {
   std::int32_t lowest = std::numeric_limits<std::int32_t>::max();
   std::int32_t highest = std::numeric_limits<std::int32_t>::min();
   for (std::size_t i = 0; i < count; ++i) {

@@ -9,7 +9,7 @@ namespace cairn {
 
 /// Why an operation failed. The programs' exit codes are these: 1, 2, 3.
 enum class ErrorCode {
-  failed = 1,    ///< the machine or the promise: I/O, disk full, accuracy not kept
+  failed = 1,    ///< the machine or the error bound: I/O, disk full, accuracy not kept
   usage = 2,     ///< the caller's words: an option out of range, an output that exists
   bad_data = 3,  ///< the input's bytes: truncated, damaged, or not what they claim to be
 };

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "format/status.h"
-#include "runtime/paging/cover.h"
 #include "runtime/paging/frame_stats.h"
+#include "runtime/paging/tile_cut.h"
 
 namespace cairn {
 

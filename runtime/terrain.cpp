@@ -7,12 +7,12 @@
 
 #include <glm/geometric.hpp>
 
-#include "runtime/paging/pack_contents.h"
 #include "runtime/paging/pager.h"
-#include "runtime/scene/eye_tile.h"
+#include "runtime/paging/tile_availability.h"
+#include "runtime/scene/focus_tile.h"
 #include "runtime/view/geodesy.h"
 #include "runtime/view/ground_height.h"
-#include "runtime/view/motion.h"
+#include "runtime/view/motion_predictor.h"
 
 namespace cairn {
 namespace {
@@ -22,12 +22,12 @@ Error out_of_range(const char* option, const std::string& expected, const std::s
                      found);
 }
 
-Status check(const TerrainOptions& o, const PackContents& contents) {
+Status check(const TerrainOptions& o, const TileAvailability& contents) {
   if (o.workers < 1 || o.workers > 64) {
     return out_of_range("workers", "1 to 64", std::to_string(o.workers));
   }
-  if (o.marking == Marking::nine || o.marking == Marking::window) {
-    return out_of_range("marking", "one that covers the Earth", std::string(to_string(o.marking)));
+  if (o.pattern == RefinementPattern::nine || o.pattern == RefinementPattern::window) {
+    return out_of_range("pattern", "one that covers the Earth", std::string(to_string(o.pattern)));
   }
   for (const double margin : {o.tile_margin, o.level_margin}) {
     if (!(margin >= 0 && margin < 1)) return out_of_range("margin", "0 to 1", std::to_string(margin));
@@ -52,20 +52,20 @@ struct Terrain::State {
         eye_ahead(o.tile_margin, o.level_margin),
         pager(contents, std::move(read), occluder, {o.cache_bytes, o.delivery_bytes, o.workers}) {}
 
-  TileId eye_tile_for(EyeTile& held, const ViewState& view) const;
-  Cover cover_for(const TileId& eye_tile) const;
-  void add_to_cover(const TileId& area, bool has_source, Cover& cover) const;
+  TileId eye_tile_for(FocusTile& held, const ViewState& view) const;
+  TileCut cover_for(const TileId& eye_tile) const;
+  void add_to_cover(const TileId& area, bool has_source, TileCut& cover) const;
   void aim(const TileId& eye_tile);
   void look_ahead(const ViewState& view, double dt_s);
   void list_tiles();
   void count_holes();
 
   const TerrainOptions options;
-  PackContents contents;
+  TileAvailability contents;
   const Occluder occluder;
-  EyeTile eye;
-  EyeTile eye_ahead;
-  Motion motion;
+  FocusTile eye;
+  FocusTile eye_ahead;
+  MotionPredictor motion;
   std::optional<TileId> aimed_at;
   std::optional<TileId> looked_at;
   std::uint64_t damage_seen = 0;
@@ -77,25 +77,25 @@ struct Terrain::State {
 
 /// Measured from the highest ground that the eye's tile may have, from the index: what is loaded must not
 /// decide the level.
-TileId Terrain::State::eye_tile_for(EyeTile& held, const ViewState& view) const {
+TileId Terrain::State::eye_tile_for(FocusTile& held, const ViewState& view) const {
   const double above_ground_m = view.height_m - contents.ceiling_m(view.eye);
-  const double ideal = level_of_a_pixel(view, above_ground_m, contents.pack().header().tile_size);
+  const double ideal = level_for_pixel_size(view, above_ground_m, contents.pack().header().tile_size);
   return held.update(view.eye, ideal, kMinLevel, contents.levels().finest);
 }
 
-Cover Terrain::State::cover_for(const TileId& eye_tile) const {
-  const SceneMap map = build_scene_map({eye_tile, kMinLevel, options.marking},
+TileCut Terrain::State::cover_for(const TileId& eye_tile) const {
+  const SceneMap map = build_scene_map({eye_tile, kMinLevel, options.pattern},
                                        [this](const TileId& id) { return contents.shows(id); });
-  Cover cover;
+  TileCut cover;
   cover.reserve(map.size());
   for (const SceneTile& tile : map) add_to_cover(tile.area, tile.has_source(), cover);
   std::sort(cover.begin(), cover.end(),
-            [](const CoverTile& a, const CoverTile& b) { return depth_first_before(a.area, b.area); });
+            [](const CutNode& a, const CutNode& b) { return depth_first_before(a.area, b.area); });
   return cover;
 }
 
 /// An area with nothing to show is split as far as needed for the coarsest tiles in it to show.
-void Terrain::State::add_to_cover(const TileId& area, bool has_source, Cover& cover) const {
+void Terrain::State::add_to_cover(const TileId& area, bool has_source, TileCut& cover) const {
   if (has_source || !contents.is_above_tiles(area)) {
     cover.push_back(make_cover_tile(area, contents, occluder, pager.target()));
     return;
@@ -112,7 +112,7 @@ void Terrain::State::aim(const TileId& eye_tile) {
   aimed_at = eye_tile;
   looked_at.reset();
   damage_seen = pager.damage_version();
-  Cover cover = cover_for(eye_tile);
+  TileCut cover = cover_for(eye_tile);
   for (TileId coarser = eye_tile; !pager.fits(cover) && coarser.level > kMinLevel;) {
     coarser = parent_of(coarser);
     cover = cover_for(coarser);
@@ -128,7 +128,7 @@ void Terrain::State::look_ahead(const ViewState& view, double dt_s) {
   looked_at = tile;
   std::vector<IndexEntry> ahead;
   if (tile != *aimed_at) {
-    for (const CoverTile& place : cover_for(tile)) {
+    for (const CutNode& place : cover_for(tile)) {
       place.for_each_source([&](const IndexEntry& entry) { ahead.push_back(entry); });
     }
   }
@@ -138,7 +138,7 @@ void Terrain::State::look_ahead(const ViewState& view, double dt_s) {
 void Terrain::State::list_tiles() {
   list.version = pager.drawn_version();
   list.tiles.clear();
-  for (const CoverTile& place : pager.drawn()) {
+  for (const CutNode& place : pager.drawn()) {
     RenderTile tile;
     tile.area = tile.heights_id = tile.imagery_id = place.area;
     tile.volume = place.volume;
@@ -178,7 +178,7 @@ Result<Terrain> Terrain::open(std::shared_ptr<const PackReader> pack, const Terr
 Result<Terrain> Terrain::open(std::shared_ptr<const PackReader> pack, const TerrainOptions& options,
                               ReadTile read) {
   assert(pack != nullptr);
-  if (const Status status = check(options, PackContents(pack)); !status) return status.error();
+  if (const Status status = check(options, TileAvailability(pack)); !status) return status.error();
   return Terrain(std::make_unique<State>(std::move(pack), options, std::move(read)));
 }
 
@@ -189,7 +189,7 @@ const RenderList& Terrain::update(const ViewState& view, double dt_s) {
   s.look_ahead(view, dt_s);            // 2. which it may want next
   s.pager.advance();                   // 3. what has come in, replaces what it can
   if (s.list.version != s.pager.drawn_version()) s.list_tiles();
-  const ViewVolume volume(view, s.occluder);
+  const ViewFrustum volume(view, s.occluder);
   s.pager.request(volume);                 // 4. what is missing, asked for
   for (RenderTile& tile : s.list.tiles) {  // 5. what of the map can be seen
     tile.visible = volume.sees(tile.volume);

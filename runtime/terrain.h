@@ -19,8 +19,9 @@ struct TerrainOptions {
   std::uint64_t cache_bytes = 512u << 20;   ///< a hard limit on what tiles take in memory, loading included
   std::uint64_t delivery_bytes = 8u << 20;  ///< of new tiles a frame, at least one tile
   int workers = 2;                          ///< threads that read and decode; 1…64
-  Marking marking = Marking::restricted;    ///< not nine or window, which leave most of the Earth bare
-  double tile_margin = 0.125;               ///< hysteresis, see EyeTile; 0 for none
+  RefinementPattern pattern =
+      RefinementPattern::restricted;  ///< not nine or window, which leave most of the Earth bare
+  double tile_margin = 0.125;         ///< hysteresis, see FocusTile; 0 for none
   double level_margin = 0.25;
   double look_ahead_s = 2;  ///< what lies this far along the flight is loaded next; 0 for nothing
 };

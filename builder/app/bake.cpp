@@ -12,6 +12,7 @@
 #include "builder/app/verbs.h"
 #include "builder/bake/memory_budget.h"
 #include "builder/build.h"
+#include "builder/raster/expand_inputs.h"
 #include "builder/raster/raster_source.h"
 
 namespace cairn {
@@ -107,11 +108,11 @@ void add_accuracy_options(CLI::App& verb, BakeArguments& arguments) {
                                                       {"cubic", ResampleMethod::cubic},
                                                       {"exact", ResampleMethod::exact}};
   verb.add_option("--max-error", o.max_error_m,
-                  "promise: metres that no post is off by (0.5 for whole metres, else 0.05)")
+                  "error bound: metres that no post is off by (0.5 for whole metres, else 0.05)")
       ->check(CLI::Range(1e-4, 1e4));
   verb.add_option("--quantum", o.quantum_m, "step in which heights are stored, metres")
       ->check(CLI::Range(1e-5, 1e3));
-  verb.add_flag("--allow-error", o.allow_error, "a broken promise is a warning");
+  verb.add_flag("--allow-error", o.allow_error, "an exceeded error bound is a warning");
   verb.add_option("--resampling", o.resampling, "nearest, bilinear, cubic or exact")
       ->transform(CLI::CheckedTransformer(methods, CLI::ignore_case))
       ->default_str("exact");

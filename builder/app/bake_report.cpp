@@ -29,7 +29,7 @@ Result<Json> report_json(const BuildReport& report, const BuildOptions& options)
   json["peak_rss_mib"] = static_cast<double>(peak_resident_bytes()) / kMiB;
   json["threads"] = report.threads;
   json["resumed"] = report.resumed;
-  json["promise_kept"] = report.promise_kept;
+  json["within_error_bound"] = report.within_error_bound;
   json["options"] = describe_options(options);
   return json;
 }
@@ -52,9 +52,9 @@ void print_table(const Json& r, const BuildOptions& options) {
              r["peak_rss_mib"].get<double>());
   if (a.is_object()) {
     fmt::print(
-        "accuracy at {} posts: max {:.4g} m (promised {:.4g}), rms {:.4g}, p50 {:.4g}, p95 {:.4g}, p99 "
+        "accuracy at {} posts: max {:.4g} m (bound {:.4g}), rms {:.4g}, p50 {:.4g}, p95 {:.4g}, p99 "
         "{:.4g}\n",
-        a["posts"].get<std::uint64_t>(), a["max_m"].get<double>(), r["promise_m"].get<double>(),
+        a["posts"].get<std::uint64_t>(), a["max_m"].get<double>(), r["error_bound_m"].get<double>(),
         a["rms_m"].get<double>(), a["p50_m"].get<double>(), a["p95_m"].get<double>(),
         a["p99_m"].get<double>());
   }
@@ -72,7 +72,7 @@ void print_table(const Json& r, const BuildOptions& options) {
 
 void print_dry_run(const DryRun& dry, bool json) {
   Json out{{"tile_size", dry.tile_size}, {"top", dry.top},
-           {"finest", dry.finest},       {"promise_m", dry.promise_m},
+           {"finest", dry.finest},       {"error_bound_m", dry.error_bound_m},
            {"quantum_m", dry.quantum_m}, {"samples", dry.samples}};
   Json levels = Json::array();
   for (const auto& [level, tiles] : dry.tiles) levels.push_back({{"level", level}, {"tiles", tiles}});
@@ -93,9 +93,10 @@ void print_dry_run(const DryRun& dry, bool json) {
     fmt::print("level {:>3}: {:>8} textures at most\n", level, tiles);
   if (dry.tiles.empty()) return;
   fmt::print(
-      "{} samples, promise {:.4g} m in steps of {:.4g} m; about {:.1f} MiB, {:.0f} s, under {:.0f} MiB of "
+      "{} samples, error bound {:.4g} m in steps of {:.4g} m; about {:.1f} MiB, {:.0f} s, under {:.0f} MiB "
+      "of "
       "memory\n",
-      dry.samples, dry.promise_m, dry.quantum_m, static_cast<double>(dry.estimated_bytes) / kMiB,
+      dry.samples, dry.error_bound_m, dry.quantum_m, static_cast<double>(dry.estimated_bytes) / kMiB,
       dry.estimated_seconds, static_cast<double>(dry.memory_bytes) / kMiB);
 }
 

@@ -14,8 +14,8 @@
 #include "builder/app/pack_metadata.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
-#include "builder/export/picture_file.h"
-#include "builder/export/relief.h"
+#include "builder/export/hillshade_shading.h"
+#include "builder/export/png_writer.h"
 #include "format/pack_sampler.h"
 
 namespace cairn {
@@ -159,7 +159,7 @@ Status fill_band(PackSampler& sampler, const Plan& plan, int first, HeightField&
 
 /// Shades picture rows `first` to `first + rows` and writes them.
 Status draw_band(PackSampler& sampler, const Plan& plan, ReliefStyle style, int first, int rows,
-                 PictureFile& picture) {
+                 PngWriter& picture) {
   const int columns = 2 * plan.size.columns + 2;
   HeightField field{columns, 2 * rows + 2, {}};
   field.metres.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(field.rows));
@@ -180,7 +180,7 @@ Status draw_band(PackSampler& sampler, const Plan& plan, ReliefStyle style, int 
 }
 
 Status draw(const PackReader& pack, const Plan& plan, const std::string& output) {
-  auto picture = PictureFile::create(output, plan.size.columns, plan.size.rows, PictureFile::Pixel::rgba8);
+  auto picture = PngWriter::create(output, plan.size.columns, plan.size.rows, PngWriter::Pixel::rgba8);
   if (!picture) return picture.error();
   const ReliefStyle style = style_for(pack, plan);
   // A band may need each tile of a row again for every row of pixels, and its ancestors' row besides.

@@ -77,7 +77,7 @@ void print_sources(const char* kind, const Json& sources) {
   for (const Json& source : sources) {
     const bool named = source.is_object() && source.contains("name") && source.at("name").is_string();
     fmt::print("  {}", named ? source.at("name").get<std::string>() : "?");
-    if (const double won = number(source, "posts_won"); !std::isnan(won))
+    if (const double won = number(source, "posts_used"); !std::isnan(won))
       fmt::print("  {:.0f} posts won", won);
     fmt::print("\n");
   }
@@ -93,7 +93,7 @@ void print_text(const PackReader& pack, const Json& info) {
   fmt::print("bounds         west {} south {} east {} north {}\n", number(b, "west"), number(b, "south"),
              number(b, "east"), number(b, "north"));
   if (!info["levels"].empty()) {
-    fmt::print("promise        every post within {} m\n", number(info, "promise_m"));
+    fmt::print("error bound    every post within {} m\n", number(info, "error_bound_m"));
     print_accuracy(info);
     print_levels("heights", info["levels"]);
   }

@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
-#include "builder/app/sibling_program.h"
+#include "builder/app/external_verb.h"
 #include "builder/app/verbs.h"
 
 namespace {
@@ -34,7 +34,7 @@ int run(int argc, char** argv) {
   }
   const auto is_named = [&](const CLI::App* verb) { return verb->check_name(argv[1]); };
   if (argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
-    const auto sibling = cairn::find_sibling(argv[1]);
+    const auto sibling = cairn::find_external_verb(argv[1]);
     if (sibling) cairn::become(*sibling, argv + 1);
     fmt::print(stderr, "cairn: verb: expected one of `cairn --help` or a program cairn-{0}, found {0}\n",
                argv[1]);

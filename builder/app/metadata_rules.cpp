@@ -68,10 +68,10 @@ void check_bounds(JsonRules& rules) {
   }
 }
 
-/// Below, `promise` is what the bake promised and the accuracy what it measured. A broken promise is no
+/// Below, `bound` is what the bake promised and the accuracy what it measured. An exceeded error bound is no
 /// damage: a bake may have been told to allow it.
 void check_accuracy(JsonRules& rules) {
-  rules.number("/promise_m");
+  rules.number("/error_bound_m");
   if (rules.at("/accuracy", json::value_t::object) == nullptr) return;
   const double posts = rules.number("/accuracy/posts"), max = rules.number("/accuracy/max_m");
   const double rms = rules.number("/accuracy/rms_m"), p50 = rules.number("/accuracy/p50_m");

@@ -77,7 +77,7 @@ nlohmann::ordered_json describe_pack_file(const PackReader& pack, const nlohmann
   info["quantum_m"] = header.quantum_m;
   info["vertical_datum"] = to_string(header.vertical_datum);
   info["bounds"] = of("bounds");
-  info["promise_m"] = of("promise_m");
+  info["error_bound_m"] = of("error_bound_m");
   info["file_bytes"] = header.file_bytes();
   info["levels"] = levels_json(pack, Layer::heights);
   if (pack.levels(Layer::imagery)) info["imagery"] = imagery_json(pack, metadata);

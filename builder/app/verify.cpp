@@ -8,10 +8,10 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "builder/app/check_against.h"
 #include "builder/app/metadata_rules.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
+#include "builder/app/verify_against.h"
 #include "format/pack_verify.h"
 
 namespace cairn {
@@ -38,7 +38,7 @@ Result<VerifyReport> verify_file(const CommandLine& options) {
   if (!pack) return report;
   for (Finding& finding : check_metadata_json(*pack)) report->findings.push_back(std::move(finding));
   if (options.against.empty() || !report->ok()) return report;
-  auto found = check_against(*pack, options.against, options.geoid, verify.threads);
+  auto found = verify_against(*pack, options.against, options.geoid, verify.threads);
   if (!found) return found.error();
   for (Finding& finding : *found) report->findings.push_back(std::move(finding));
   return report;

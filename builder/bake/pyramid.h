@@ -20,20 +20,20 @@ struct TileBlock {
 
 /// Puts a tree of tiles together from its leaves, in the order of the tree's walk, and hands out the tiles to
 /// be stored. Not thread-safe. What tiles are is the layer's: it has
-///   Layer::Tile                                            with a member `id`,
+///   TileLayer::Tile                                            with a member `id`,
 ///   Tile open_parent(const TileId&) const                  before its children are in,
 ///   void take(const Tile& child, Tile&) const              puts a child into its parent,
 ///   void close_parent(Tile&) const                         once all are in,
 ///   Result<std::optional<TileBlock>> settle(Tile&) const   what is stored of a tile, if it is; then its
 ///                                                          parent takes it.
-template <class Layer>
+template <class TileLayer>
 class Pyramid {
  public:
-  using Tile = typename Layer::Tile;
+  using Tile = typename TileLayer::Tile;
   using Emit = std::function<Status(TileBlock&&)>;
 
   /// Tiles coarser than `root_level` are left to another pyramid. REQUIRES: layer and tree outlive it.
-  Pyramid(const Layer& layer, const TileTree& tree, int root_level, Emit emit)
+  Pyramid(const TileLayer& layer, const TileTree& tree, int root_level, Emit emit)
       : layer_(layer), tree_(tree), root_level_(root_level), emit_(std::move(emit)) {}
 
   /// Takes the next leaf or finished subtree. Gives back the root, settled, when this completes it.
@@ -67,7 +67,7 @@ class Pyramid {
     int waiting_for = 0;
   };
 
-  const Layer& layer_;
+  const TileLayer& layer_;
   const TileTree& tree_;
   int root_level_;
   Emit emit_;

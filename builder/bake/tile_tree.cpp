@@ -31,7 +31,7 @@ int TileTree::finest_within(const TileId& id) const {
   return finest;
 }
 
-bool TileTree::lends_edge(const TileId& id) const {
+bool TileTree::edge_only(const TileId& id) const {
   return id.level > top_ && is_valid(id) && touches_ && !leaf_level_(id) && touches_(id);
 }
 

@@ -33,7 +33,7 @@ class TileTree {
   /// Whether the tile is sampled, not put together from its children. REQUIRES: wants(id).
   bool is_leaf(const TileId& id) const;
   /// Whether the tile only lends its edge.
-  bool lends_edge(const TileId& id) const;
+  bool edge_only(const TileId& id) const;
   /// How many of its children are walked: wanted, or lending an edge.
   int children_of(const TileId& id) const;
 
@@ -46,7 +46,7 @@ class TileTree {
 
  private:
   int finest_within(const TileId& id) const;
-  bool is_walked(const TileId& id) const { return wants(id) || lends_edge(id); }
+  bool is_walked(const TileId& id) const { return wants(id) || edge_only(id); }
   template <class Visit>
   void walk(const TileId& id, const Visit& visit) const;
 

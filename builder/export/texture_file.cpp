@@ -5,7 +5,7 @@
 #include <cstring>
 #include <vector>
 
-#include "builder/export/picture_file.h"
+#include "builder/export/png_writer.h"
 #include "builder/texture_encode/texture_encode.h"
 #include "format/block_texture.h"
 #include "format/bytes.h"
@@ -104,7 +104,7 @@ Status write_texture_png(const std::filesystem::path& target, const TextureTile&
   std::vector<std::uint8_t> rgba(4 * size * size);
   const auto first = std::span(tile.texels).first(texture_image_bytes(tile.format, tile.size));
   if (auto status = decode_texture(tile.format, first, tile.size, tile.size, rgba); !status) return status;
-  auto picture = PictureFile::create(target, tile.size, tile.size, PictureFile::Pixel::rgba8);
+  auto picture = PngWriter::create(target, tile.size, tile.size, PngWriter::Pixel::rgba8);
   if (!picture) return picture.error();
   for (std::size_t r = 0; r < size; ++r) {
     if (auto status = picture->write_row(std::as_bytes(std::span(rgba).subspan(4 * size * r, 4 * size)));

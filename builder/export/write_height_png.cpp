@@ -1,13 +1,13 @@
 #include <vector>
 
 #include "builder/export/height_image.h"
-#include "builder/export/picture_file.h"
+#include "builder/export/png_writer.h"
 #include "builder/export/whole_metres.h"
 
 namespace cairn {
 
 Status write_height_png(const std::filesystem::path& path, const HeightImage& image) {
-  auto picture = PictureFile::create(path, image.size, image.size, PictureFile::Pixel::grey16);
+  auto picture = PngWriter::create(path, image.size, image.size, PngWriter::Pixel::grey16);
   if (!picture) return picture.error();
   const auto size = static_cast<std::size_t>(image.size);
   std::vector<std::uint16_t> row(size);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "format/wide.h"
+#include "format/simd_clones.h"
 
 namespace cairn {
 namespace {
@@ -57,8 +57,8 @@ inline std::int32_t larger(std::int32_t a, std::int32_t b) {
 
 // The bounds of a row of groups over the tile's own cells: a post is no farther from the group's surface than
 // from the tile's own, plus what lies between the two.
-CAIRN_WIDE LargestOfRow bound_lowest_row(const Decimated& d, int row, const std::int32_t* posts,
-                                         std::int32_t* bounds) {
+CAIRN_SIMD_CLONES LargestOfRow bound_lowest_row(const Decimated& d, int row, const std::int32_t* posts,
+                                                std::int32_t* bounds) {
   const std::int32_t *s = d.row(2 * row), *m = d.row(2 * row + 1), *n = d.row(2 * row + 2);
   std::int32_t most_deviation = 0, most_bound = 0;
   for (int c = 0; c < d.size / 2; ++c) {
@@ -73,8 +73,8 @@ CAIRN_WIDE LargestOfRow bound_lowest_row(const Decimated& d, int row, const std:
 }
 
 // The bounds of a row of groups, of those of their four cells: two rows of `cells` bounds.
-CAIRN_WIDE LargestOfRow bound_row(const Decimated& d, int row, const std::int32_t* south_cells,
-                                  const std::int32_t* north_cells, std::int32_t* bounds) {
+CAIRN_SIMD_CLONES LargestOfRow bound_row(const Decimated& d, int row, const std::int32_t* south_cells,
+                                         const std::int32_t* north_cells, std::int32_t* bounds) {
   const std::int32_t *s = d.row(2 * row), *m = d.row(2 * row + 1), *n = d.row(2 * row + 2);
   std::int32_t most_deviation = 0, most_bound = 0;
   for (int c = 0; c < d.size / 2; ++c) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "builder/heights/void_level.h"
+#include "builder/heights/void_filler.h"
 
 namespace cairn {
 
@@ -37,7 +37,7 @@ void close_parent(HeightTile& parent) {
   if (std::find(parent.voids.begin(), parent.voids.end(), 1) == parent.voids.end()) {
     parent.voids.clear();
   } else {
-    level_voids(parent);
+    fill_void_samples(parent);
   }
 }
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "format/wide.h"
+#include "format/simd_clones.h"
 
 namespace cairn {
 namespace {
@@ -117,8 +117,8 @@ SurfaceError measure(const HeightTile& tile, double quantum_m, int levels, const
   return result;
 }
 
-CAIRN_WIDE bool are_equal(const std::int32_t* quanta, std::size_t count, double quantum_m,
-                          const float* heights) {
+CAIRN_SIMD_CLONES bool are_equal(const std::int32_t* quanta, std::size_t count, double quantum_m,
+                                 const float* heights) {
   int differ = 0;  // no early end, so that the loop is one of vectors
   for (std::size_t i = 0; i < count; ++i)
     differ |= quanta[i] * quantum_m != static_cast<double>(heights[i]) ? 1 : 0;
@@ -170,14 +170,14 @@ SurfaceError measure_surface(const HeightTile& tile, double quantum_m, int level
 }
 
 SurfaceError measure_surface(const HeightTile& tile, double quantum_m, int levels, const MeasuredPosts& posts,
-                             const PostCounting& counting, PostStats& stats) {
+                             const PostCounting& counting, ErrorStats& stats) {
   return measure(tile, quantum_m, levels, posts, [&](double x, double y, double error) {
     if (counting.counts(x, y)) stats.add(error, [&] { return counting.place(x, y); });
   });
 }
 
 SurfaceError measure_own_surface(const HeightTile& tile, double quantum_m, const MeasuredPosts& posts,
-                                 const PostCounting& counting, PostStats& stats, PostErrors& errors) {
+                                 const PostCounting& counting, ErrorStats& stats, PostErrors& errors) {
   if (is_copy_of(tile, quantum_m, posts)) {
     stats.add_exact(counting.count(posts));
     return {};

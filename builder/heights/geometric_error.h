@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "builder/heights/post_stats.h"
+#include "builder/heights/error_stats.h"
 #include "builder/mosaic/sample_window.h"
 #include "builder/mosaic/source_group.h"
 #include "format/height_tile.h"
@@ -69,11 +69,11 @@ struct PostCounting {
 
 /// The same, every post's error also counted in `stats` if the post is this tile's to count.
 SurfaceError measure_surface(const HeightTile& tile, double quantum_m, int levels, const MeasuredPosts& posts,
-                             const PostCounting& counting, PostStats& stats);
+                             const PostCounting& counting, ErrorStats& stats);
 
 /// Measures the tile itself, counts every post's error that is the tile's to count, and notes the errors by
 /// group for AncestorErrors. `groups` starts without any.
 SurfaceError measure_own_surface(const HeightTile& tile, double quantum_m, const MeasuredPosts& posts,
-                                 const PostCounting& counting, PostStats& stats, PostErrors& errors);
+                                 const PostCounting& counting, ErrorStats& stats, PostErrors& errors);
 
 }  // namespace cairn

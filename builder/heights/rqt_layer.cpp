@@ -127,35 +127,35 @@ class RqtLevel {
   float tolerance_m_;
 };
 
-Status write_unit(const std::vector<TileBlock>& blocks, Work& work) {
+Status write_unit(const std::vector<TileBlock>& blocks, BakeSession& session) {
   UnitRecord record;
   for (const TileBlock& block : blocks) {
-    auto entry = work.writer.add(block.entry, block.block);
+    auto entry = session.writer.add(block.entry, block.block);
     if (!entry) return entry.error();
     record.entries.push_back(*entry);
   }
   // The journal must not speak of blocks that a killed process would still hold.
-  if (auto status = work.writer.flush(); !status) return status;
-  return work.journal.append(record);
+  if (auto status = session.writer.flush(); !status) return status;
+  return session.journal.append(record);
 }
 
 }  // namespace
 
-Status bake_rqt_layer(const RqtPlan& plan, const std::filesystem::path& target, int threads, Work& work,
-                      const ProgressCallback& progress) {
-  if (auto status = work.writer.flush(); !status) return status;
+Status bake_rqt_layer(const RqtPlan& plan, const std::filesystem::path& target, int threads,
+                      BakeSession& session, const ProgressCallback& progress) {
+  if (auto status = session.writer.flush(); !status) return status;
   auto part = File::open_to_read(std::filesystem::path(target).concat(".part"));
   if (!part) return part.error();
   const PartReader heights(std::move(*part), plan.tile_size);
-  const std::map<int, Units> levels = units_by_level(work.writer.entries());
+  const std::map<int, Units> levels = units_by_level(session.writer.entries());
   const auto samples =
       static_cast<std::uint64_t>(plan.tile_size - 1) * static_cast<std::uint64_t>(plan.tile_size - 1);
-  Progress now{"rqt", 0, 0, work.writer.position()};
+  Progress now{"rqt", 0, 0, session.writer.position()};
   for (const auto& [level, units] : levels) {
     for (const Entries& unit : units) now.total += unit.size() * samples;
   }
-  std::size_t done = work.done.size();
-  work.done.clear();
+  std::size_t done = session.done.size();
+  session.done.clear();
   for (const auto& [level, units] : levels) {
     const std::size_t skipped = std::min(done, units.size());
     done -= skipped;
@@ -164,9 +164,9 @@ Status bake_rqt_layer(const RqtPlan& plan, const std::filesystem::path& target, 
     RqtLevel bake(plan, heights, units, threads);
     if (auto status = bake.agree(); !status) return status;
     const auto status = bake.emit(skipped, [&](std::size_t tiles, const std::vector<TileBlock>& blocks) {
-      auto written = write_unit(blocks, work);
+      auto written = write_unit(blocks, session);
       now.done += tiles * samples;
-      now.bytes_written = work.writer.position();
+      now.bytes_written = session.writer.position();
       progress(now);
       return written;
     });

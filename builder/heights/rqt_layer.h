@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
+#include "builder/bake/bake_session.h"
 #include "builder/bake/progress.h"
-#include "builder/bake/resume.h"
 #include "format/status.h"
 
 namespace cairn {
@@ -24,7 +24,7 @@ struct RqtPlan {
 /// The heights are read back from `TARGET.part`. A level at a time: first every tile for itself, then, once
 /// the borders agree, every tile again, so that borders are kept in memory and no tiles. Units of sixteen
 /// tiles, journalled like those of the other layers. REQUIRES: all heights are in `work.writer`.
-Status bake_rqt_layer(const RqtPlan& plan, const std::filesystem::path& target, int threads, Work& work,
-                      const ProgressCallback& progress);
+Status bake_rqt_layer(const RqtPlan& plan, const std::filesystem::path& target, int threads,
+                      BakeSession& session, const ProgressCallback& progress);
 
 }  // namespace cairn

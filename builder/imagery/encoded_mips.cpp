@@ -61,7 +61,7 @@ std::optional<EncodedMip> encode_opaque_mip(const LinearImage& mip, TextureQuali
   EncodedMip encoded{size, {}, {}};
   encoded.blocks.reserve(along * along * kBlockBytes);
   encoded.errors.reserve(along * along);
-  UnsetVector<std::uint8_t> rgba(4 * columns * static_cast<std::size_t>(rows));
+  UninitializedVector<std::uint8_t> rgba(4 * columns * static_cast<std::size_t>(rows));
   for (int top = 0; top < size; top += rows) {
     for (int r = 0; r < rows; ++r) {
       if (!to_srgb({mip.row(top + r), columns}, &rgba[4 * columns * static_cast<std::size_t>(r)]))
@@ -85,7 +85,7 @@ EncodedMip join_mips(const std::array<const EncodedMip*, 4>& children, const Lin
   take_over(children, joined);
 
   const std::vector<std::size_t> own = blocks_beside_middle(along);
-  const UnsetVector<std::uint8_t> rgba = to_srgb(strip_of(own, mip)).rgba;
+  const UninitializedVector<std::uint8_t> rgba = to_srgb(strip_of(own, mip)).rgba;
   std::vector<std::byte> blocks;
   std::vector<std::uint32_t> errors;
   const int width = static_cast<int>(4 * own.size());

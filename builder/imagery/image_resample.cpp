@@ -1,7 +1,7 @@
 #include "builder/imagery/image_resample.h"
 
-#include "builder/imagery/separable_image.h"
-#include "builder/imagery/warped_image.h"
+#include "builder/imagery/resample_separable.h"
+#include "builder/imagery/resample_warped.h"
 
 namespace cairn {
 

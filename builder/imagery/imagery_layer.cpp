@@ -4,7 +4,7 @@
 #include <cstring>
 #include <utility>
 
-#include "builder/imagery/texture_tile_bake.h"
+#include "builder/imagery/texture_tile_encode.h"
 
 namespace cairn {
 
@@ -18,17 +18,17 @@ LinearTexel* quadrant_row(LinearImage& image, int quadrant, int r) {
 }  // namespace
 
 Result<BakedTexture> ImageryLayer::bake_leaf(const TileId& id) const {
-  auto padded = mosaic_.sample(texels_of(id, size_, TileRim::kRim));
+  auto padded = mosaic_.sample(texels_of(id, size_, EdgeTexels::kRim));
   if (!padded) return padded.error();
   BakedTexture baked;
   baked.id = id;
   if (is_empty(*padded)) return baked;
   LinearImage half = halved(*padded);
-  baked.rim = TileRim::cut(*padded, half);
+  baked.rim = EdgeTexels::cut(*padded, half);
   baked.image = std::move(*padded);
-  baked.image.drop_margin(TileRim::kRim);
+  baked.image.drop_margin(EdgeTexels::kRim);
   baked.half = std::move(half);
-  baked.half.drop_margin(TileRim::kRim / 2);
+  baked.half.drop_margin(EdgeTexels::kRim / 2);
   if (!is_empty(baked.image)) return baked;
   BakedTexture empty;
   empty.id = id;
@@ -61,9 +61,9 @@ void ImageryLayer::close_parent(BakedTexture& parent) const {
       std::fill_n(quadrant_row(parent.image, q, r), size_ / 2, LinearTexel{});
   }
   parent.half = halved(parent.image);
-  std::array<const TileRim*, 4> rims{};
+  std::array<const EdgeTexels*, 4> rims{};
   for (std::size_t q = 0; q < 4; ++q) rims[q] = &parent.child_rims[q];
-  parent.rim = TileRim::join(rims, size_);
+  parent.rim = EdgeTexels::join(rims, size_);
   parent.child_rims = {};
 }
 
@@ -112,7 +112,7 @@ Result<BakedTexture> ImageryLayer::read(ByteReader& in) const {
       if (in.ok()) std::memcpy(tile.half.row(r), bytes.data(), bytes.size());
     }
   }
-  if (has_rim) tile.rim = TileRim::read_from(in, size_);
+  if (has_rim) tile.rim = EdgeTexels::read_from(in, size_);
   if (!in.ok() || !is_valid(tile.id)) return bad_data("journal: a finished subtree: expected more bytes");
   return tile;
 }

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "builder/bake/pyramid.h"
+#include "builder/imagery/edge_texels.h"
 #include "builder/imagery/encoded_mips.h"
 #include "builder/imagery/imagery_mosaic.h"
 #include "builder/imagery/linear_image.h"
-#include "builder/imagery/tile_rim.h"
 #include "format/bytes.h"
 
 namespace cairn {
@@ -19,9 +19,9 @@ struct BakedTexture {
   TileId id;
   LinearImage image;  ///< as the mosaic or the children have it; gone once the tile is settled
   LinearImage half;   ///< its halved(), for mips and parent; no texels where nothing covers the tile
-  TileRim rim;
-  EncodedMips mips;                   ///< once it is settled, for its parent
-  std::array<TileRim, 4> child_rims;  ///< by quadrant, while the tile waits for its children
+  EdgeTexels rim;
+  EncodedMips mips;                      ///< once it is settled, for its parent
+  std::array<EdgeTexels, 4> child_rims;  ///< by quadrant, while the tile waits for its children
   std::array<EncodedMips, 4> child_mips;
   bool has_stored = false;  ///< a descendant is stored
 };

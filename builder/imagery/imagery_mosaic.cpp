@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "builder/imagery/image_resample.h"
-#include "builder/imagery/texel_rows.h"
+#include "builder/imagery/texel_loops.h"
 
 namespace cairn {
 
@@ -86,8 +86,8 @@ class ImageStack {
       if (texel[3] == 0) continue;
       const float fade = feather_ > 0 ? std::min(1.0F, rims[c] / static_cast<float>(feather_)) : 1.0F;
       const float alpha = texel[3] / kOne;
-      const WideTexel wide{static_cast<float>(texel[0]), static_cast<float>(texel[1]),
-                           static_cast<float>(texel[2]), static_cast<float>(texel[3])};
+      const FloatTexel wide{static_cast<float>(texel[0]), static_cast<float>(texel[1]),
+                            static_cast<float>(texel[2]), static_cast<float>(texel[3])};
       sum_[to] += wide * (open_[to] * fade);
       open_[to] *= 1 - alpha * fade;
       bare_[to] *= 1 - alpha;
@@ -97,7 +97,7 @@ class ImageStack {
   TexelWindow window_;
   double feather_;                      // pixels
   std::optional<ResampledImage> only_;  // the topmost image, until there is another or where it fades
-  std::vector<WideTexel> sum_;
+  std::vector<FloatTexel> sum_;
   std::vector<float> open_;  // share that shows what lies beneath
   std::vector<float> bare_;  // the same without feathering
 };
@@ -164,7 +164,7 @@ Result<std::unique_ptr<ImageryMosaic>> ImageryMosaic::open(const ImageryOptions&
   std::unique_ptr<ImageryMosaic> mosaic(new ImageryMosaic);
   mosaic->size_ = size;
   mosaic->feather_pixels_ = options.feather_pixels;
-  auto pool = SourcePool::open(options.inputs, {options.bounds, cache_bytes});
+  auto pool = RasterPool::open(options.inputs, {options.bounds, cache_bytes});
   if (!pool) return pool.error();
   mosaic->pool_ = std::move(*pool);
   for (std::size_t s = 0; s < mosaic->pool_->size(); ++s) mosaic->images_.push_back(mosaic->describe(s));

@@ -9,7 +9,7 @@
 #include "builder/imagery/texel_window.h"
 #include "builder/options/imagery_options.h"
 #include "builder/raster/footprint.h"
-#include "builder/raster/source_pool.h"
+#include "builder/raster/raster_pool.h"
 
 namespace cairn {
 
@@ -20,7 +20,7 @@ class ImageryMosaic {
   static Result<std::unique_ptr<ImageryMosaic>> open(const ImageryOptions& options, int size,
                                                      std::size_t cache_bytes);
 
-  const SourcePool& pool() const { return *pool_; }
+  const RasterPool& pool() const { return *pool_; }
   GeoBounds bounds() const;  ///< of the outer edges of all images
   bool is_global() const;
   int finest_level() const;
@@ -46,7 +46,7 @@ class ImageryMosaic {
 
   int size_ = 512;
   double feather_pixels_ = 0;
-  std::unique_ptr<SourcePool> pool_;
+  std::unique_ptr<RasterPool> pool_;
   std::vector<Image> images_;  // the topmost first
 };
 

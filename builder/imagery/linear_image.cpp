@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "builder/imagery/srgb.h"
-#include "builder/imagery/texel_rows.h"
+#include "builder/imagery/texel_loops.h"
 
 namespace cairn {
 
@@ -20,8 +20,8 @@ LinearImage halved(const LinearImage& image) {
   assert(image.columns % 2 == 0 && image.rows % 2 == 0);
   LinearImage half = LinearImage::unset(image.columns / 2, image.rows / 2);
   for (int r = 0; r < half.rows; ++r)
-    texel_rows().halve(image.row(2 * r), image.row(2 * r + 1), static_cast<std::size_t>(half.columns),
-                       half.row(r));
+    texel_loops().halve(image.row(2 * r), image.row(2 * r + 1), static_cast<std::size_t>(half.columns),
+                        half.row(r));
   return half;
 }
 
@@ -92,7 +92,7 @@ bool to_srgb(std::span<const LinearTexel> row, std::uint8_t* rgba) {
 
 SrgbImage to_srgb(const LinearImage& image) {
   const auto columns = static_cast<std::size_t>(image.columns);
-  SrgbImage srgb{UnsetVector<std::uint8_t>(4 * columns * static_cast<std::size_t>(image.rows)), true};
+  SrgbImage srgb{UninitializedVector<std::uint8_t>(4 * columns * static_cast<std::size_t>(image.rows)), true};
   for (int r = 0; r < image.rows; ++r) {
     const bool is_opaque =
         to_srgb({image.row(r), columns}, &srgb.rgba[4 * columns * static_cast<std::size_t>(r)]);

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include "builder/imagery/unset_vector.h"
+#include "builder/imagery/uninitialized_vector.h"
 
 namespace cairn {
 
@@ -53,7 +53,7 @@ class LinearImage {
   int rows = 0;
 
  private:
-  UnsetVector<LinearTexel> texels_;
+  UninitializedVector<LinearTexel> texels_;
   std::size_t stride_ = 0;  // texels from one row to the next, which are more than columns without a margin
   std::size_t first_ = 0;
 };
@@ -70,7 +70,7 @@ bool is_empty(const LinearImage& image);
 
 /// R, G, B in sRGB and alpha, 4 bytes a texel, not premultiplied; transparent texels are black.
 struct SrgbImage {
-  UnsetVector<std::uint8_t> rgba;
+  UninitializedVector<std::uint8_t> rgba;
   bool is_opaque = false;  ///< every alpha is 255
 };
 SrgbImage to_srgb(const LinearImage& image);

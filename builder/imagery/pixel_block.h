@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "builder/imagery/unset_vector.h"
+#include "builder/imagery/uninitialized_vector.h"
 #include "builder/raster/raster_source.h"
 #include "format/status.h"
 
@@ -15,7 +15,7 @@ struct PixelBlock {
   std::int64_t row = 0;
   std::int64_t columns = 0;
   std::int64_t rows = 0;
-  UnsetVector<std::uint8_t> rgba;
+  UninitializedVector<std::uint8_t> rgba;
 
   /// REQUIRES: the pixel lies in the block.
   const std::uint8_t* at(std::int64_t c, std::int64_t r) const {

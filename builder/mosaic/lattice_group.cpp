@@ -7,8 +7,8 @@
 #include <limits>
 #include <memory>
 
-#include "builder/mosaic/fading.h"
-#include "format/wide.h"
+#include "builder/mosaic/fade_weight.h"
+#include "format/simd_clones.h"
 
 namespace cairn {
 namespace {
@@ -29,8 +29,8 @@ IndexRange posts_within(const AxisPositions& positions, IndexRange samples) {
 }
 
 // Takes a row of a member's posts to where there is no value yet.
-CAIRN_WIDE void fill_in(const float* row, std::size_t count, std::uint16_t owner, float* heights,
-                        std::uint16_t* owners) {
+CAIRN_SIMD_CLONES void fill_in(const float* row, std::size_t count, std::uint16_t owner, float* heights,
+                               std::uint16_t* owners) {
   for (std::size_t c = 0; c < count; ++c) {  // no branches, so that the loop is one of vectors
     const bool taken = PostBlock::has_value(owners[c]);
     const bool is_void = row[c] != row[c];
@@ -40,7 +40,7 @@ CAIRN_WIDE void fill_in(const float* row, std::size_t count, std::uint16_t owner
   }
 }
 
-CAIRN_WIDE bool all_have_values(const std::vector<std::uint16_t>& owners) {
+CAIRN_SIMD_CLONES bool all_have_values(const std::vector<std::uint16_t>& owners) {
   int without = 0;  // no early end, likewise
   for (const std::uint16_t owner : owners) without |= PostBlock::has_value(owner) ? 0 : 1;
   return without == 0;
@@ -84,7 +84,7 @@ IndexRange hull(IndexRange a, IndexRange b) {
   return {std::min(a.first, b.first), std::max(a.last, b.last)};
 }
 
-std::vector<IndexWindow> extents_of(const SourcePool& pool,
+std::vector<IndexWindow> extents_of(const RasterPool& pool,
                                     const std::vector<LatticeGroup::Member>& members) {
   std::vector<IndexWindow> extents;
   for (const auto& m : members) {
@@ -97,7 +97,7 @@ std::vector<IndexWindow> extents_of(const SourcePool& pool,
 
 }  // namespace
 
-LatticeGroup::LatticeGroup(SourcePool& pool, const Geoid* geoid, const Lattice& lattice,
+LatticeGroup::LatticeGroup(RasterPool& pool, const Geoid* geoid, const Lattice& lattice,
                            std::vector<Member> members, int native_level, double samples_per_degree,
                            ResampleMethod method)
     : pool_(pool),
@@ -241,7 +241,7 @@ Result<std::vector<float>> LatticeGroup::fill_weights(const SampleWindow& window
       };
       const double distance =
           (1 - v) * ((1 - u) * at(0, 0) + u * at(1, 0)) + v * ((1 - u) * at(0, 1) + u * at(1, 1));
-      weights.push_back(static_cast<float>(fading(distance - solid_posts_, fade_posts_)));
+      weights.push_back(static_cast<float>(fade_weight(distance - solid_posts_, fade_posts_)));
     }
   }
   return weights;
@@ -283,7 +283,7 @@ Result<GroupSamples> LatticeGroup::sample(const SampleWindow& window) const {
   const IndexWindow from{wanted.x, wanted.y};
   const IndexWindow to{columns, rows};
   if (all_have_values(block->owners)) {
-    resample_regular(lon_, lat_, from, block->heights, to, samples.heights);
+    resample_lattice(lon_, lat_, from, block->heights, to, samples.heights);
     samples.posts = posts_of(window, std::move(*block));
     return samples;
   }
@@ -295,7 +295,7 @@ Result<GroupSamples> LatticeGroup::sample(const SampleWindow& window) const {
     samples.fill_weights = std::move(*weights);
   }
   if (auto status = fill_.complete(*block); !status) return status.error();
-  resample_regular(lon_, lat_, from, block->heights, to, samples.heights);
+  resample_lattice(lon_, lat_, from, block->heights, to, samples.heights);
   return samples;
 }
 

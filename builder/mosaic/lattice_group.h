@@ -6,11 +6,11 @@
 #include "builder/mosaic/geoid.h"
 #include "builder/mosaic/lattice.h"
 #include "builder/mosaic/source_group.h"
-#include "builder/raster/source_pool.h"
+#include "builder/raster/raster_pool.h"
 #include "builder/resample/axis_positions.h"
 #include "builder/resample/axis_resampler.h"
 #include "builder/resample/post_block.h"
-#include "builder/resample/resample.h"
+#include "builder/resample/resample_lattice.h"
 #include "builder/voids/lattice_fill.h"
 
 namespace cairn {
@@ -26,7 +26,7 @@ class LatticeGroup final : public SourceGroup {
 
   /// REQUIRES: all members on `lattice`, at most 65533 of them; pool and geoid (may be null) outlive the
   /// group; the method is well conditioned at this density.
-  LatticeGroup(SourcePool& pool, const Geoid* geoid, const Lattice& lattice, std::vector<Member> members,
+  LatticeGroup(RasterPool& pool, const Geoid* geoid, const Lattice& lattice, std::vector<Member> members,
                int native_level, double samples_per_degree, ResampleMethod method);
 
   void set_reach(double solid_degrees, double fade_degrees) override;
@@ -41,7 +41,7 @@ class LatticeGroup final : public SourceGroup {
   Result<std::vector<float>> fill_weights(const SampleWindow& window) const;
   MeasuredPosts posts_of(const SampleWindow& window, PostBlock&& block) const;
 
-  SourcePool& pool_;
+  RasterPool& pool_;
   const Geoid* geoid_;
   Lattice lattice_;
   std::vector<Member> members_;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "builder/mosaic/fading.h"
+#include "builder/mosaic/fade_weight.h"
 #include "builder/mosaic/source_grouping.h"
 #include "builder/mosaic/upsample.h"
 
@@ -41,7 +41,7 @@ Result<std::unique_ptr<Mosaic>> Mosaic::open(const BuildOptions& options, std::s
   mosaic->tile_size_ = options.tile_size;
   OpenOptions open_options;
   open_options.cache_bytes = cache_bytes;
-  auto pool = SourcePool::open(options.inputs, open_options);
+  auto pool = RasterPool::open(options.inputs, open_options);
   if (!pool) return pool.error();
   mosaic->pool_ = std::move(*pool);
   if (options.geoid) {
@@ -131,7 +131,7 @@ std::optional<int> Mosaic::leaf_level(const TileId& id) const {
 }
 
 double Mosaic::weight(std::size_t group, const Footprint& near, LonLat place) const {
-  return fading(near.distance_to(place) - reaches_[group].solid, reaches_[group].fade);
+  return fade_weight(near.distance_to(place) - reaches_[group].solid, reaches_[group].fade);
 }
 
 // Lays the group's samples over what the tile has so far.
@@ -179,8 +179,8 @@ void Mosaic::drop_losing_posts(const SampleWindow& window, std::span<const std::
 
 // The samples of the groups that show in the window, from the top: nothing shows beneath one that has a value
 // everywhere.
-Result<std::vector<Mosaic::Layer>> Mosaic::sample_layers(const SampleWindow& window, int level) const {
-  std::vector<Layer> layers;
+Result<std::vector<Mosaic::GroupLayer>> Mosaic::sample_layers(const SampleWindow& window, int level) const {
+  std::vector<GroupLayer> layers;
   for (const std::size_t g : groups_touching(without_overhang(bounds_of(window)))) {
     const int levels = level - groups_[g]->native_level();
     assert(levels >= 0);
@@ -200,7 +200,7 @@ Result<MosaicTile> Mosaic::sample_window(const SampleWindow& window, int level) 
   auto layers = sample_layers(window, level);
   if (!layers) return layers.error();
   MosaicTile tile;
-  for (Layer& layer : *layers) {
+  for (GroupLayer& layer : *layers) {
     tile.groups.push_back(layer.group);
     tile.posts.push_back(std::move(layer.samples.posts));
   }

@@ -8,7 +8,7 @@
 #include "builder/mosaic/geoid.h"
 #include "builder/mosaic/source_group.h"
 #include "builder/options/build_options.h"
-#include "builder/raster/source_pool.h"
+#include "builder/raster/raster_pool.h"
 #include "format/tile_id.h"
 
 namespace cairn {
@@ -23,7 +23,7 @@ struct MosaicTile {
 
 /// All sources of a bake as one surface. Groups of sources win over one another as wholes: finer posts first,
 /// then the order on the command line. Beyond the edge of a group its heights fade into those beneath over
-/// one post of the coarsest group beneath, so there is no cliff; posts beneath lose as far as the fading
+/// one post of the coarsest group beneath, so there is no cliff; posts beneath lose as far as the fade_weight
 /// reaches. A group fades the same way into its voids, from their rims inwards, where something lies beneath.
 ///
 /// A group is sampled at its native level only; where a finer group makes finer tiles, it is interpolated
@@ -33,7 +33,7 @@ class Mosaic {
  public:
   static Result<std::unique_ptr<Mosaic>> open(const BuildOptions& options, std::size_t cache_bytes);
 
-  const SourcePool& pool() const { return *pool_; }
+  const RasterPool& pool() const { return *pool_; }
   /// Lets go of the sources' files and caches, once no more is read of them.
   void close_sources() { pool_->close(); }
   const std::vector<std::unique_ptr<SourceGroup>>& groups() const { return groups_; }
@@ -71,18 +71,18 @@ class Mosaic {
   void set_reaches();
   double weight(std::size_t group, const Footprint& near, LonLat place) const;
   std::vector<std::size_t> groups_touching(const GeoBounds& bounds) const;
-  struct Layer {
+  struct GroupLayer {
     std::size_t group = 0;
     GroupSamples samples;
   };
-  Result<std::vector<Layer>> sample_layers(const SampleWindow& window, int level) const;
+  Result<std::vector<GroupLayer>> sample_layers(const SampleWindow& window, int level) const;
   Result<MosaicTile> sample_window(const SampleWindow& window, int level) const;
   void blend(std::size_t group, const SampleWindow& window, GroupSamples&& samples, MosaicTile& tile) const;
   void drop_losing_posts(const SampleWindow& window, std::span<const std::size_t> touching,
                          MosaicTile& tile) const;
 
   int tile_size_ = 513;
-  std::unique_ptr<SourcePool> pool_;
+  std::unique_ptr<RasterPool> pool_;
   std::optional<Geoid> geoid_;
   std::vector<std::unique_ptr<SourceGroup>> groups_;  // highest priority first
   std::vector<Reach> reaches_;                        // by group

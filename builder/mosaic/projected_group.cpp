@@ -39,7 +39,7 @@ int ProjectedGroup::level_for(const RasterInfo& info, int tile_size) {
   return level;
 }
 
-ProjectedGroup::ProjectedGroup(SourcePool& pool, const Geoid* geoid, std::size_t source, int native_level,
+ProjectedGroup::ProjectedGroup(RasterPool& pool, const Geoid* geoid, std::size_t source, int native_level,
                                int tile_size, double tolerance_m)
     : pool_(pool),
       geoid_(geoid),

@@ -8,7 +8,7 @@
 #include "builder/mosaic/geoid.h"
 #include "builder/mosaic/source_group.h"
 #include "builder/options/build_options.h"
-#include "builder/raster/source_pool.h"
+#include "builder/raster/raster_pool.h"
 #include "builder/resample/post_block.h"
 #include "builder/resample/resample_projected.h"
 #include "builder/voids/lattice_fill.h"
@@ -24,7 +24,7 @@ class ProjectedGroup final : public SourceGroup {
   static int level_for(const RasterInfo& info, int tile_size);
 
   /// REQUIRES: pool and geoid (may be null) outlive the group; native_level >= level_for().
-  ProjectedGroup(SourcePool& pool, const Geoid* geoid, std::size_t source, int native_level, int tile_size,
+  ProjectedGroup(RasterPool& pool, const Geoid* geoid, std::size_t source, int native_level, int tile_size,
                  double tolerance_m);
 
   void set_reach(double /*solid*/, double /*fade*/) override {}  // it ends where its posts end
@@ -44,7 +44,7 @@ class ProjectedGroup final : public SourceGroup {
   std::vector<SampleState> states_of(const SampleWindow& window, const PostBlock& posts) const;
   Status add_posts(const SampleWindow& window, MeasuredPosts& posts) const;
 
-  SourcePool& pool_;
+  RasterPool& pool_;
   const Geoid* geoid_;
   RasterInfo info_;
   IndexWindow extent_;

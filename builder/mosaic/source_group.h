@@ -56,7 +56,7 @@ class SourceGroup {
   /// end.
   bool reaches_beyond_footprint() const { return reaches_beyond_footprint_; }
   const Footprint& footprint() const { return footprint_; }
-  /// The members' numbers in the SourcePool, by the order in which they win.
+  /// The members' numbers in the RasterPool, by the order in which they win.
   const std::vector<std::size_t>& sources() const { return sources_; }
 
   /// How the group ends, beyond its footprint and inside its voids, in degrees: so far it counts alone, and

@@ -9,9 +9,9 @@
 namespace cairn {
 namespace {
 
-// How close an iterative fit comes to the posts, as a share of the promise; the rest is for rounding.
-constexpr double kShareOfPromise = 0.1;
-constexpr double kFinestDefaultPromise = 0.05;
+// How close an iterative fit comes to the posts, as a share of the error bound; the rest is for rounding.
+constexpr double kShareOfErrorBound = 0.1;
+constexpr double kFinestDefaultErrorBound = 0.05;
 
 struct LatticeMembers {
   Lattice lattice;
@@ -58,7 +58,7 @@ int asked_level(int native, int finest, const BuildOptions& options) {
 
 }  // namespace
 
-Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(SourcePool& pool, const Geoid* geoid,
+Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool, const Geoid* geoid,
                                                                 const BuildOptions& options) {
   std::vector<LatticeMembers> lattices;
   std::vector<std::size_t> projected;
@@ -81,8 +81,8 @@ Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(SourcePool& pool
                                                     samples_per_degree(level, options.tile_size),
                                                     options.resampling));
   }
-  const double promise = options.max_error_m.value_or(kFinestDefaultPromise);
-  const double tolerance = promise * kShareOfPromise;
+  const double error_bound_m = options.max_error_m.value_or(kFinestDefaultErrorBound);
+  const double tolerance = error_bound_m * kShareOfErrorBound;
   for (const std::size_t s : projected) {
     const int level =
         asked_level(ProjectedGroup::level_for(pool.info(s), options.tile_size), finest, options);

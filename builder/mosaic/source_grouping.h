@@ -6,14 +6,14 @@
 #include "builder/mosaic/geoid.h"
 #include "builder/mosaic/source_group.h"
 #include "builder/options/build_options.h"
-#include "builder/raster/source_pool.h"
+#include "builder/raster/raster_pool.h"
 
 namespace cairn {
 
 /// Sorts the sources into groups that are resampled together, highest priority first: finer posts before
 /// coarser ones, then by the order on the command line of the group's first source. REQUIRES: pool and geoid
 /// (may be null) outlive the groups.
-Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(SourcePool& pool, const Geoid* geoid,
+Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool, const Geoid* geoid,
                                                                 const BuildOptions& options);
 
 }  // namespace cairn

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "builder/options/imagery_options.h"
-#include "builder/resample/resample.h"
+#include "builder/resample/resample_lattice.h"
 #include "format/geo.h"
 #include "format/pack_layout.h"
 
@@ -31,9 +31,9 @@ struct BuildOptions {
   std::optional<GeoBounds> region;  ///< only tiles that touch it
 
   std::optional<double>
-      max_error_m;  ///< the promise E; by default 0.5 for whole-metre sources, 0.05 for others
-  std::optional<double> quantum_m;  ///< by default chosen to keep the promise without waste
-  bool allow_error = false;         ///< a broken promise is a warning, not a failure
+      max_error_m;  ///< the error bound E; by default 0.5 for whole-metre sources, 0.05 for others
+  std::optional<double> quantum_m;  ///< by default chosen to keep the error bound without waste
+  bool allow_error = false;         ///< an exceeded error bound is a warning, not a failure
   ResampleMethod resampling = ResampleMethod::exact;
 
   VoidMode voids = VoidMode::fill;

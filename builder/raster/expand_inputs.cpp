@@ -1,11 +1,11 @@
+#include "builder/raster/expand_inputs.h"
+
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <system_error>
 
 #include <fnmatch.h>
-
-#include "builder/raster/raster_source.h"
 
 namespace cairn {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "builder/raster/raster_source.h"
+#include "builder/raster/sample_type.h"
 
 namespace cairn {
 
@@ -26,9 +26,6 @@ inline constexpr double kImpossibleHeight = 1e6;
 /// -9999, the nodata value (in floating point within its rounding), NaN, infinities and impossible heights.
 void decode_heights(const HeightEncoding& encoding, const std::byte* samples, std::size_t count,
                     std::size_t stride, float* metres);
-
-/// Bytes of one sample.
-std::size_t size_of(SampleType type);
 
 /// Reverses the bytes of each of `count` samples of `sample_bytes` (1, 2, 4 or 8) in place.
 void swap_bytes(std::byte* samples, std::size_t count, std::size_t sample_bytes);

@@ -9,13 +9,11 @@
 #include <vector>
 
 #include "builder/raster/georeference.h"
+#include "builder/raster/sample_type.h"
 #include "format/geo.h"
 #include "format/status.h"
 
 namespace cairn {
-
-enum class SampleType { uint8, int8, uint16, int16, uint32, int32, float32, float64 };
-const char* to_string(SampleType type);
 
 /// What a raster says of itself before any post is read.
 struct RasterInfo {
@@ -25,7 +23,7 @@ struct RasterInfo {
   std::int64_t rows = 0;
   int bands = 1;
   SampleType type = SampleType::int16;
-  bool whole_metres = true;  ///< integer posts in metres: the default promise is 0.5 m, else 0.05 m
+  bool whole_metres = true;  ///< integer posts in metres: the default error bound is 0.5 m, else 0.05 m
   Georeference georeference;
   GeoBounds bounds;              ///< of the posts, in degrees; east may pass 180
   std::optional<double> nodata;  ///< the file's own; the customary void values are voids besides
@@ -64,7 +62,7 @@ struct OpenOptions {
   std::size_t cache_bytes = 32u << 20;  ///< decoded strips or tiles that the source may keep
 };
 
-/// One way of opening files. Each file of builder/sources/ defines one; the folder is the list.
+/// One way of opening files. Each file of builder/raster/formats/ defines one; the folder is the list.
 struct RasterFormat {
   const char* name;
   /// Lower claims first; a general reader (GDAL) has the highest number.
@@ -83,10 +81,5 @@ std::span<const RasterFormat* const> raster_formats();
 /// one, else the first claimant's error.
 Result<std::unique_ptr<RasterSource>> open_raster(const std::filesystem::path& path,
                                                   const OpenOptions& options);
-
-/// Files named directly, by folder (searched without descending, known extensions only), or by a glob pattern
-/// in the last component; in the order given, each folder or glob sorted by name. bad_data where one matches
-/// nothing.
-Result<std::vector<std::filesystem::path>> expand_inputs(std::span<const std::string> arguments);
 
 }  // namespace cairn

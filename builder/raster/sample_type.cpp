@@ -1,7 +1,6 @@
-#include <array>
+#include "builder/raster/sample_type.h"
 
-#include "builder/raster/height_encoding.h"
-#include "builder/raster/raster_source.h"
+#include <array>
 
 namespace cairn {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "builder/resample/cubic_kernel.h"
 #include "builder/resample/exact_run.h"
-#include "builder/resample/post_kernel.h"
 
 namespace cairn {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cassert>
 
-#include "builder/resample/post_kernel.h"
+#include "builder/resample/cubic_kernel.h"
 
 namespace cairn {
 namespace {

@@ -4,8 +4,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "builder/resample/coarse_mesh.h"
-#include "builder/resample/post_kernel.h"
+#include "builder/resample/cubic_kernel.h"
+#include "builder/resample/projection_mesh.h"
 
 namespace cairn {
 namespace {
@@ -68,7 +68,7 @@ IndexWindow ProjectedResampler::posts_for(IndexWindow samples) const {
 
 void ProjectedResampler::interpolate(IndexWindow posts, std::span<const float> heights, IndexWindow samples,
                                      std::span<float> out) const {
-  const CoarseMesh mesh(
+  const ProjectionMesh mesh(
       samples, projection_mesh_step(samples_per_degree_), [this](std::int64_t x, std::int64_t y) {
         const auto post =
             georeference_.post_at(place_of_sample(static_cast<double>(x), static_cast<double>(y)));
@@ -93,7 +93,7 @@ PostEquations ProjectedResampler::equations(IndexWindow posts, std::span<const f
   const double across = longer_side(
       georeference_.place_of(static_cast<double>(posts.x.first), static_cast<double>(posts.y.first)),
       georeference_.place_of(static_cast<double>(posts.x.first + 1), static_cast<double>(posts.y.first)));
-  const CoarseMesh mesh(
+  const ProjectionMesh mesh(
       posts, projection_mesh_step(1 / across), [this](std::int64_t column, std::int64_t row) {
         const LonLat place = georeference_.place_of(static_cast<double>(column), static_cast<double>(row));
         return PlanePoint{(place.lon + 180) * samples_per_degree_, (place.lat + 90) * samples_per_degree_};

@@ -34,7 +34,7 @@ LodTile lod_tile(const RenderTile& tile, const TileId& area, const Relief& relie
 
 }  // namespace
 
-MethodScene method_scene(std::span<const ShownTile* const> tiles, const ShownTiles::SurfaceOf& surface_of,
+MethodScene method_scene(std::span<const ShownTile* const> tiles, const LodTransition::SurfaceOf& surface_of,
                          int tile_size, double quantum_m) {
   MethodScene out;
   out.scene.tile_size = tile_size;

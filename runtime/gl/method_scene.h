@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "runtime/lod/lod_method.h"
+#include "runtime/surface/lod_transition.h"
 #include "runtime/surface/mesh_plan.h"
-#include "runtime/surface/shown_tiles.h"
 
 namespace cairn::gl {
 
@@ -21,7 +21,7 @@ struct MethodScene {
 /// Of the tiles that have heights; what has none is left out, and the mesh ends there. Areas are cut at the
 /// end of the world. The tiles' own errors are taken as 0: as in the renderer's own mesh, the tolerance is
 /// one against the tiles that are shown.
-MethodScene method_scene(std::span<const ShownTile* const> tiles, const ShownTiles::SurfaceOf& surface_of,
+MethodScene method_scene(std::span<const ShownTile* const> tiles, const LodTransition::SurfaceOf& surface_of,
                          int tile_size, double quantum_m);
 
 }  // namespace cairn::gl

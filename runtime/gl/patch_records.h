@@ -10,8 +10,8 @@
 
 #include "runtime/gl/axis_buffer.h"
 #include "runtime/gl/resident_tiles.h"
+#include "runtime/surface/lod_transition.h"
 #include "runtime/surface/mesh_plan.h"
-#include "runtime/surface/shown_tiles.h"
 
 namespace cairn::gl {
 

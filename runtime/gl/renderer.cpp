@@ -15,8 +15,8 @@
 #include "runtime/gl/thread_clock.h"
 #include "runtime/gl/wall_batch.h"
 #include "runtime/surface/drawn_ground.h"
+#include "runtime/surface/lod_transition.h"
 #include "runtime/surface/mesh_plan.h"
-#include "runtime/surface/shown_tiles.h"
 
 namespace cairn::gl {
 namespace {
@@ -40,11 +40,11 @@ enum LookBits : GLuint { kLevelColours = 1, kFog = 2 };
 }  // namespace
 
 struct Renderer::State {
-  State(int size, double quantum, std::size_t expected, HeightUploads& uploads)
+  State(int size, double quantum, std::size_t expected, PreparedHeights& uploads)
       : quantum_m(quantum), tiles(size, quantum, expected, uploads), columns(size), rows(size) {}
 
   double quantum_m;
-  ShownTiles shown;
+  LodTransition shown;
   ResidentTiles tiles;
   ColumnBuffer columns;
   RowBuffer rows;
@@ -57,7 +57,7 @@ struct Renderer::State {
   Program sky;
   VertexArray no_vertices = make_vertex_array();
 
-  ShownTiles::SurfaceOf surfaces();
+  LodTransition::SurfaceOf surfaces();
   std::vector<const ShownTile*> load_visible(const RenderList& list, const FrameScale& scale);
   MeshPlan plan(std::span<const ShownTile* const> seen, const ViewState& view, const FrameScale& scale,
                 const CameraFrame& camera);
@@ -67,7 +67,7 @@ struct Renderer::State {
   void draw_sky(const CameraFrame& camera, const ViewState& view);
 };
 
-ShownTiles::SurfaceOf Renderer::State::surfaces() {
+LodTransition::SurfaceOf Renderer::State::surfaces() {
   return [this](const RenderTile& tile) {
     const ResidentHeights* heights = tiles.heights_of(tile);
     return heights ? &heights->surface : nullptr;
@@ -150,7 +150,7 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
 Result<Renderer> Renderer::create(int tile_size, double quantum_m, std::size_t expected_tiles,
-                                  HeightUploads& uploads) {
+                                  PreparedHeights& uploads) {
   if (epoxy_gl_version() < 45) {
     return failed("OpenGL: context: expected version 4.5, found " + std::to_string(epoxy_gl_version() / 10) +
                   "." + std::to_string(epoxy_gl_version() % 10));

@@ -11,7 +11,7 @@
 #include "runtime/gl/view_transform.h"
 #include "runtime/lod/lod_method.h"
 #include "runtime/render_list.h"
-#include "runtime/surface/height_upload.h"
+#include "runtime/surface/height_preparation.h"
 #include "runtime/view/view_state.h"
 
 namespace cairn::gl {
@@ -45,13 +45,13 @@ class Renderer {
   /// failed where the context is older than 4.5 or a shader is refused. `tile_size` and `quantum_m` are the
   /// pack's, which has `expected_tiles` at most in a layer; `uploads` outlives the renderer.
   static Result<Renderer> create(int tile_size, double quantum_m, std::size_t expected_tiles,
-                                 HeightUploads& uploads);
+                                 PreparedHeights& uploads);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
 
   /// Draws a frame into the framebuffer, which needs an sRGB colour and a float depth attachment, over the
-  /// view's whole viewport. Tiles are exchanged over several frames, see ShownTiles.
+  /// view's whole viewport. Tiles are exchanged over several frames, see LodTransition.
   FrameCounts draw(const RenderList& list, const ViewState& view, const FrameLook& look,
                    unsigned framebuffer);
 

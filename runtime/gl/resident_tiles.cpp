@@ -16,7 +16,7 @@ std::uint32_t first_layers(std::size_t expected) {
 
 }  // namespace
 
-ResidentTiles::ResidentTiles(int tile_size, double quantum_m, std::size_t expected, HeightUploads& uploads)
+ResidentTiles::ResidentTiles(int tile_size, double quantum_m, std::size_t expected, PreparedHeights& uploads)
     : tile_size_(tile_size),
       quantum_m_(quantum_m),
       prepared_(uploads),

@@ -10,8 +10,8 @@
 #include "format/status.h"
 #include "runtime/gl/tile_textures.h"
 #include "runtime/render_list.h"
-#include "runtime/surface/height_upload.h"
-#include "runtime/surface/shown_tiles.h"
+#include "runtime/surface/height_preparation.h"
+#include "runtime/surface/lod_transition.h"
 
 namespace cairn::gl {
 
@@ -33,7 +33,7 @@ struct ImageryPlace {
 class ResidentTiles {
  public:
   /// `expected`: tiles of a layer that there will be at most, as far as is known.
-  ResidentTiles(int tile_size, double quantum_m, std::size_t expected, HeightUploads& uploads);
+  ResidentTiles(int tile_size, double quantum_m, std::size_t expected, PreparedHeights& uploads);
 
   /// `evicted` are no longer in memory: what was prepared for them is dropped, and their textures with
   /// the first frame that shows them no more, whose tiles are `shown`.
@@ -57,7 +57,7 @@ class ResidentTiles {
 
   int tile_size_;
   double quantum_m_;
-  HeightUploads& prepared_;
+  PreparedHeights& prepared_;
   HeightTextures heights_;
   std::array<ImageryTextures, 3> imagery_;
   std::unordered_map<TileId, ResidentHeights> surfaces_;

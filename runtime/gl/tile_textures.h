@@ -9,7 +9,7 @@
 #include "format/texture_tile.h"
 #include "runtime/gl/layer_array.h"
 #include "runtime/gl/slot_pool.h"
-#include "runtime/surface/height_upload.h"
+#include "runtime/surface/height_preparation.h"
 
 namespace cairn::gl {
 

@@ -13,8 +13,8 @@
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/view/horizon.h"
-#include "runtime/view/lattice.h"
-#include "runtime/view/visible_set.h"
+#include "runtime/view/sample_lattice.h"
+#include "runtime/view/view_frustum.h"
 
 namespace cairn {
 namespace {
@@ -111,7 +111,7 @@ class PictureSamples {
   LabTerrain& terrain_;
   const ViewState view_;
   const Screen screen_;
-  const ViewVolume volume_;
+  const ViewFrustum volume_;
   const Horizon horizon_;
   const std::int64_t middle_;  ///< at a whole degree, so that it is a multiple of every spacing
   std::int64_t unit_ = std::int64_t{1} << kLatticeLevel;

@@ -9,7 +9,7 @@
 #include "format/status.h"
 #include "runtime/lab/lab_terrain.h"
 #include "runtime/lod/lod_method.h"
-#include "runtime/view/lattice.h"
+#include "runtime/view/sample_lattice.h"
 #include "runtime/view/view_state.h"
 
 namespace cairn {

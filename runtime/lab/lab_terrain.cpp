@@ -9,7 +9,7 @@
 #include "format/tile_edges.h"
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/view/ground_height.h"
-#include "runtime/view/visible_set.h"
+#include "runtime/view/view_frustum.h"
 
 namespace cairn {
 namespace {
@@ -80,12 +80,12 @@ void LabTerrain::add_to_cover(const TileId& area, bool has_source, std::vector<T
   }
 }
 
-std::vector<TileId> LabTerrain::areas_for(const ViewState& view, Marking marking) {
+std::vector<TileId> LabTerrain::areas_for(const ViewState& view, RefinementPattern pattern) {
   const double above_ground_m = view.height_m - contents_.ceiling_m(view.eye);
-  const double ideal = level_of_a_pixel(view, above_ground_m, pack().header().tile_size);
+  const double ideal = level_for_pixel_size(view, above_ground_m, pack().header().tile_size);
   const TileId eye_tile = eye_.update(view.eye, ideal, kMinLevel, contents_.levels().finest);
   const SceneMap map = build_scene_map(
-      {eye_tile, kMinLevel, marking}, [this](const TileId& id) { return contents_.has(Layer::heights, id); });
+      {eye_tile, kMinLevel, pattern}, [this](const TileId& id) { return contents_.has(Layer::heights, id); });
   std::vector<TileId> cover;
   for (const SceneTile& tile : map) add_to_cover(tile.area, tile.has_source(), cover);
   return cover;
@@ -95,7 +95,7 @@ void LabTerrain::refine(const TileId& area, const ViewState& view, double refine
                         std::vector<TileId>& out) const {
   const IndexEntry source = *contents_.nearest(Layer::heights, area);
   const BoundingVolume& volume = volume_of(area, source);
-  const bool splits = refine_px > 0 && has_finer(area) && ViewVolume(view, occluder_).sees(volume) &&
+  const bool splits = refine_px > 0 && has_finer(area) && ViewFrustum(view, occluder_).sees(volume) &&
                       Screen(view).bound_px(static_cast<double>(source.geometric_error_m), volume.centre,
                                             radius_m(volume)) > refine_px;
   if (!splits) return within_world(area, out);
@@ -164,7 +164,7 @@ Result<LodTile> LabTerrain::load(const TileId& area, const IndexEntry& source) {
 
 Result<LodScene> LabTerrain::scene_for(const ViewState& view, const SceneRules& rules) {
   std::vector<TileId> areas;
-  for (const TileId& area : areas_for(view, rules.marking)) refine(area, view, rules.refine_px, areas);
+  for (const TileId& area : areas_for(view, rules.pattern)) refine(area, view, rules.refine_px, areas);
   std::sort(areas.begin(), areas.end());
   LodScene scene{pack().header().tile_size, pack().header().quantum_m, lowest_m(), {}};
   for (const TileId& area : areas) {

@@ -9,8 +9,8 @@
 #include "format/pack_reader.h"
 #include "format/status.h"
 #include "runtime/lod/lod_method.h"
-#include "runtime/paging/pack_contents.h"
-#include "runtime/scene/eye_tile.h"
+#include "runtime/paging/tile_availability.h"
+#include "runtime/scene/focus_tile.h"
 #include "runtime/scene/scene_map.h"
 #include "runtime/view/bounding_volume.h"
 
@@ -18,7 +18,7 @@ namespace cairn {
 
 /// Which tiles a scene has.
 struct SceneRules {
-  Marking marking = Marking::restricted;
+  RefinementPattern pattern = RefinementPattern::restricted;
   /// An area in the picture whose source's geometric error may project above this is split, as far as the
   /// pack has finer tiles: no method can keep a tolerance that its tiles do not. 0: the scene map alone.
   double refine_px = 0;
@@ -42,7 +42,7 @@ class LabTerrain {
 
   /// The eye's tile is held over a flight's views as Terrain does; forget_eye() begins anew.
   Result<LodScene> scene_for(const ViewState& view, const SceneRules& rules);
-  void forget_eye() { eye_ = EyeTile(kTileMargin, kLevelMargin); }
+  void forget_eye() { eye_ = FocusTile(kTileMargin, kLevelMargin); }
 
   Result<std::shared_ptr<const HeightTile>> heights(const IndexEntry& entry);
   /// Of the finest surface, in metres; nullopt where the pack has none or it is void.
@@ -52,7 +52,7 @@ class LabTerrain {
   static constexpr double kTileMargin = 0.125, kLevelMargin = 0.25;  // TerrainOptions' own
 
   void add_to_cover(const TileId& area, bool has_source, std::vector<TileId>& cover) const;
-  std::vector<TileId> areas_for(const ViewState& view, Marking marking);
+  std::vector<TileId> areas_for(const ViewState& view, RefinementPattern pattern);
   void refine(const TileId& area, const ViewState& view, double refine_px, std::vector<TileId>& out) const;
   void within_world(const TileId& area, std::vector<TileId>& out) const;
   bool has_finer(const TileId& area) const;
@@ -61,9 +61,9 @@ class LabTerrain {
   Result<LodTile> load(const TileId& area, const IndexEntry& source);
   Result<std::shared_ptr<const std::vector<std::byte>>> flags(const TileId& id);
 
-  PackContents contents_;
+  TileAvailability contents_;
   Occluder occluder_;
-  EyeTile eye_{kTileMargin, kLevelMargin};
+  FocusTile eye_{kTileMargin, kLevelMargin};
   std::vector<FinestArea> finest_;
   std::unordered_map<TileId, std::shared_ptr<const HeightTile>> heights_;
   std::unordered_map<TileId, std::shared_ptr<const std::vector<std::byte>>> flags_;

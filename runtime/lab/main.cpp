@@ -9,7 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "runtime/flight/options.h"
+#include "runtime/flight/camera_text.h"
 #include "runtime/lab/camera_path.h"
 #include "runtime/lab/compare.h"
 #include "runtime/lab/draw_charts.h"
@@ -136,7 +136,7 @@ Result<LabTerrain> open_terrain(const Options& o) {
 }
 
 SceneRules rules_of(const Options& o) {
-  return {Marking::restricted, o.tiles == "error" ? 0.5 : 0.0};
+  return {RefinementPattern::restricted, o.tiles == "error" ? 0.5 : 0.0};
 }
 
 Result<CompareSpec> spec_of(const Options& o) {

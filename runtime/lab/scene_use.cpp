@@ -5,14 +5,14 @@
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/paging/loaded_tile.h"
-#include "runtime/view/visible_set.h"
+#include "runtime/view/view_frustum.h"
 
 namespace cairn {
 namespace {
 
 constexpr double kUseful_px = 0.25;
 
-bool is_useful(const PackReader& pack, const LodTile& tile, const Screen& screen, const ViewVolume& volume) {
+bool is_useful(const PackReader& pack, const LodTile& tile, const Screen& screen, const ViewFrustum& volume) {
   if (!volume.sees(tile.volume)) return false;
   if (tile.source.level == kMinLevel) return true;
   const auto parent = pack.find(Layer::heights, parent_of(tile.source));
@@ -25,7 +25,7 @@ bool is_useful(const PackReader& pack, const LodTile& tile, const Screen& screen
 
 SceneUse use_of(const LabTerrain& terrain, const LodScene& scene, const ViewState& view) {
   const Screen screen(view);
-  const ViewVolume volume(view, Occluder(terrain.lowest_m()));
+  const ViewFrustum volume(view, Occluder(terrain.lowest_m()));
   SceneUse use;
   std::map<TileId, bool> useful;
   for (const LodTile& tile : scene.tiles) {

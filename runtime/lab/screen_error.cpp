@@ -9,7 +9,7 @@
 #include "runtime/lab/parallel.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/view/horizon.h"
-#include "runtime/view/visible_set.h"
+#include "runtime/view/view_frustum.h"
 
 namespace cairn {
 namespace {
@@ -103,7 +103,7 @@ struct FinestPicture::Tally {
 Result<FinestPicture> FinestPicture::of(LabTerrain& terrain, const ViewState& view, int threads) {
   FinestPicture picture(view, threads);
   const Occluder occluder(terrain.lowest_m());
-  const ViewVolume volume(view, occluder);
+  const ViewFrustum volume(view, occluder);
   std::vector<std::shared_ptr<const HeightTile>> heights;
   std::vector<TileId> sources;
   for (const FinestArea& finest : terrain.finest()) {

@@ -30,7 +30,7 @@ class Block : public LodMethod {
  private:
   std::vector<ChosenPatch> choose(const LodScene& scene, const LodView& view) const {
     const Screen screen(view.view);
-    const ViewVolume volume(view.view, Occluder(scene.lowest_m));
+    const ViewFrustum volume(view.view, Occluder(scene.lowest_m));
     std::vector<ChosenPatch> chosen;
     for (const std::size_t index : tiles_in_view(scene, view)) {
       for (const Patch& block : blocks_.of(scene.tiles[index])) {

@@ -9,22 +9,22 @@
 //
 // A bound over a square asks for too much: of a triangle it takes the worst sample to be at the worst place,
 // and the Earth's curvature to be seen from the side. So a triangle is looked into before it is bisected: in
-// ten parts, of each of which is known where its samples lie above and below the triangle (PartRanges), and
-// sample by sample where it is small or few of its parts are in doubt (TriangleError). Squares are bounded
-// only as the mesh comes to have triangles in them. Where they are small on the picture of a fine tolerance,
-// looking costs more than it saves, and what they ask for is taken.
+// ten parts, of each of which is known where its samples lie above and below the triangle
+// (SubtriangleErrorRanges), and sample by sample where it is small or few of its parts are in doubt
+// (TriangleError). Squares are bounded only as the mesh comes to have triangles in them. Where they are small
+// on the picture of a fine tolerance, looking costs more than it saves, and what they ask for is taken.
 //
 // What the hierarchy adds for its own sake, most of all along a step across its grid, is taken out again
-// where it is much of a tile's mesh (Thinning).
+// where it is much of a tile's mesh (VertexDecimation).
 //
 // A vertical error is seen under the angle between the ray and the vertical: looking down it hardly shows
-// (Allowance).
+// (ScreenErrorBudget).
 //
 // Promise: every finest sample in the picture is within τ of its place on the screen, where the tiles' own
 // error takes at most three quarters of τ; where it takes more, within that and a quarter of τ. Along borders
-// where a finer tile has vertices that this one has no samples for, conform() splits triangles of one cell:
-// there the tile's error counts twice. Where a tile stands for finer ones, its cells are drawn as two
-// triangles: the quarter of a cell's twist by which these differ from its bilinear surface is not mended.
+// where a finer tile has vertices that this one has no samples for, remove_t_junctions() splits triangles of
+// one cell: there the tile's error counts twice. Where a tile stands for finer ones, its cells are drawn as
+// two triangles: the quarter of a cell's twist by which these differ from its bilinear surface is not mended.
 //
 // Measured beside it was the same hierarchy with errors and spheres grown towards the coarse, which is the
 // method `soar`: about as many triangles where the eye looks ahead and twice as many where it looks down.
@@ -36,17 +36,17 @@
 #include <memory>
 #include <optional>
 
-#include "runtime/lod/mesh/allowance.h"
 #include "runtime/lod/mesh/bisection_forest.h"
-#include "runtime/lod/mesh/conform.h"
 #include "runtime/lod/mesh/cpu_clock.h"
-#include "runtime/lod/mesh/part_ranges.h"
 #include "runtime/lod/mesh/prepared_tiles.h"
+#include "runtime/lod/mesh/remove_t_junctions.h"
+#include "runtime/lod/mesh/screen_error_budget.h"
 #include "runtime/lod/mesh/square_errors.h"
-#include "runtime/lod/mesh/thinning.h"
+#include "runtime/lod/mesh/subtriangle_error_ranges.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/triangle_error.h"
+#include "runtime/lod/mesh/vertex_decimation.h"
 #include "runtime/view/geodesy.h"
 
 namespace cairn {
@@ -56,11 +56,11 @@ namespace {
 /// side, in pixels, times the tolerance's square is no more than this: a look would cost more than the
 /// triangles that it saves, which are 2 to 15 % in the low flights, for 8 to 33 % of the time.
 constexpr double kFine_px = 1;
-constexpr double kTrusted = 32;
+constexpr double kSkipTestBelow = 32;
 
 /// And where the Earth's curvature, which squares know in the worst direction only, takes no more than this
 /// share of what is allowed.
-constexpr double kChordShare = 0.5;
+constexpr double kMaxSagittaShare = 0.5;
 
 /// A tile's mesh is thinned out where so much of it is there for the hierarchy's sake. Elsewhere that takes
 /// as long as the rest of the method, or longer.
@@ -74,14 +74,14 @@ struct Known {
   std::uint64_t bytes() const { return errors.bytes() + ranges.bytes(); }
 
   SquareErrors errors;
-  PartRanges ranges;
+  SubtriangleErrorRanges ranges;
 };
 
 /// Says what one tile's squares ask for.
 class Selection {
  public:
   Selection(const Known& known, const LodTile& tile, std::size_t number, const TileWindow& window,
-            const Allowance& allowance, bool cull, BisectionForest& forest)
+            const ScreenErrorBudget& allowance, bool cull, BisectionForest& forest)
       : errors_(known.errors),
         tile_(tile),
         number_(number),
@@ -97,9 +97,9 @@ class Selection {
     const SquareSphere sphere = errors_.sphere(k, x, y);
     if (cull_ && !allowance_.sees(sphere)) return true;
     const int middle = 1 << (k - 1);
-    const Allowance::Scale scale =
+    const ScreenErrorBudget::Scale scale =
         allowance_.scale_of(sphere, errors_.positions().up_at((x << k) + middle, (y << k) + middle));
-    const Allowance::Room room = allowance_.room_of(scale);
+    const ScreenErrorBudget::Room room = allowance_.room_of(scale);
     const bool alone = k > SquareErrors::kSphereLevel && !scale.is_small;
     Limits limits;
     for (int j = k; j >= (alone ? k : 1); --j) limits.of(j) = limit(scale, room, j);
@@ -126,20 +126,20 @@ class Selection {
     std::array<Limit, 16> by_level;
   };
 
-  Limit limit(const Allowance::Scale& scale, const Allowance::Room& room, int k) const {
+  Limit limit(const ScreenErrorBudget::Scale& scale, const ScreenErrorBudget::Room& room, int k) const {
     const double chord_m = errors_.chord_m(k);
     const auto code = [&](double chord) {
-      return round_down(static_cast<float>(Allowance::error_m(room, tile_.error_m, chord)));
+      return round_down(static_cast<float>(ScreenErrorBudget::error_m(room, tile_.error_m, chord)));
     };
     return {code(chord_m), code(chord_m / 2),
-            is_small(scale, k) && chord_m * room.per_chord <= kChordShare * room.all_m};
+            is_small(scale, k) && chord_m * room.per_chord <= kMaxSagittaShare * room.all_m};
   }
 
-  bool is_small(const Allowance::Scale& scale, int k) const {
+  bool is_small(const ScreenErrorBudget::Scale& scale, int k) const {
     const double tolerance_px = allowance_.tolerance_px();
     if (tolerance_px > kFine_px) return false;
     const double side_m = (1 << k) * errors_.cell_radians() * kEquatorialRadius;
-    return side_m * scale.any_px * tolerance_px * tolerance_px <= kTrusted * scale.depth_m;
+    return side_m * scale.any_px * tolerance_px * tolerance_px <= kSkipTestBelow * scale.depth_m;
   }
 
   void want_within(int k, int x, int y, const Limits& limits) const {
@@ -164,7 +164,7 @@ class Selection {
   std::size_t number_;
   int column_;
   int row_;
-  const Allowance& allowance_;
+  const ScreenErrorBudget& allowance_;
   bool cull_;
   BisectionForest& forest_;
 };
@@ -181,15 +181,15 @@ class Cairn : public LodMethod {
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
     const double start = thread_cpu_s();
-    const Allowance allowance(view, scene.lowest_m);
+    const ScreenErrorBudget allowance(view, scene.lowest_m);
     const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
     forest_.begin();
     bisect(scene, view, allowance, drawn);
     const double selected = thread_cpu_s();
     LodMesh mesh;
-    Thinning thinning(allowance);
+    VertexDecimation thinning(allowance);
     for (const std::size_t i : drawn) append(scene, view, allowance, i, thinning, mesh);
-    conform(scene, forest_.meet_finer(), mesh);
+    remove_t_junctions(scene, forest_.meet_finer(), mesh);
     mesh.count(IndexForm::list, {3 * mesh.triangle_count(), mesh.tiles.size()});
     mesh.selection_s = selected - start;
     mesh.building_s = thread_cpu_s() - selected;
@@ -197,7 +197,7 @@ class Cairn : public LodMethod {
   }
 
  private:
-  void bisect(const LodScene& scene, const LodView& view, const Allowance& allowance,
+  void bisect(const LodScene& scene, const LodView& view, const ScreenErrorBudget& allowance,
               const std::vector<std::size_t>& drawn) {
     std::vector<std::optional<Selection>> selections(scene.tiles.size());
     for (const std::size_t i : drawn) {
@@ -218,8 +218,8 @@ class Cairn : public LodMethod {
     });
   }
 
-  void append(const LodScene& scene, const LodView& view, const Allowance& allowance, std::size_t i,
-              Thinning& thinning, LodMesh& mesh) {
+  void append(const LodScene& scene, const LodView& view, const ScreenErrorBudget& allowance, std::size_t i,
+              VertexDecimation& thinning, LodMesh& mesh) {
     const SquareErrors& errors = tiles_[i].known->errors;
     const TileWindow& window = tiles_[i].window;
     const std::size_t tiles = mesh.tiles.size();
@@ -234,7 +234,7 @@ class Cairn : public LodMethod {
       thinning.thin({window, errors, scene.quantum_m}, mesh.tiles.back());
   }
 
-  /// Not where places between samples count, or where conform() has yet to split triangles.
+  /// Not where places between samples count, or where remove_t_junctions() has yet to split triangles.
   bool is_thinnable(const LodScene& scene, std::size_t i) const {
     return scene.tiles[i].error_m <= 0 && forest_.meet_finer()[i] == 0;
   }

@@ -1,8 +1,8 @@
 // [4, §3.1]: every sample of every tile; one strip a tile with degenerate triangles, [0, §2, Table 1].
 
-#include "runtime/lod/mesh/conform.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/index_forms.h"
+#include "runtime/lod/mesh/remove_t_junctions.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 
@@ -35,7 +35,7 @@ class Full : public LodMethod {
       const int side = TileWindow(scene, scene.tiles[index]).cells() + 1;
       for (const IndexForm form : kIndexForms) mesh.count(form, grid_index_count(form, side, side));
     }
-    conform(scene, mesh);
+    remove_t_junctions(scene, mesh);
     mesh.selection_s = selected - start;
     mesh.building_s = thread_cpu_s() - selected;
     return mesh;

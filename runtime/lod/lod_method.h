@@ -2,103 +2,19 @@
 
 // Level-of-detail methods: plain data in, a mesh out. One file a method in lod/, the folder is the list.
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string_view>
-#include <vector>
 
-#include "format/height_tile.h"
-#include "runtime/view/bounding_volume.h"
-#include "runtime/view/lattice.h"
-#include "runtime/view/view_state.h"
+#include "runtime/lod/mesh/lod_scene.h"
 
 namespace cairn {
-
-/// An area of the Earth and the tile whose heights it shows.
-struct LodTile {
-  TileId area;                                ///< within the world: does not overhang it
-  TileId source;                              ///< the area or an ancestor, with samples at the area's corners
-  std::shared_ptr<const HeightTile> heights;  ///< of the source; never null
-  double min_m = 0;                           ///< over the source, voids not counted
-  double max_m = 0;
-  double error_m = 0;  ///< the source's surface is no farther from the finest samples under the area; 0 where
-                       ///< these are its own
-  BoundingVolume volume;                                ///< of the area between min_m and max_m
-  std::shared_ptr<const std::vector<std::byte>> flags;  ///< the source's block of Layer::rqt, if there is one
-};
-
-/// What is drawn: areas that do not overlap. Samples nest: where two sources have a sample, they agree.
-struct LodScene {
-  int tile_size = 513;
-  double quantum_m = 0.25;
-  double lowest_m = 0;  ///< no height of the pack is below
-  std::vector<LodTile> tiles;
-};
-
-struct LodView {
-  ViewState view;
-  double tolerance_px = 1;  ///< > 0
-  bool cull = false;        ///< what is certainly outside the picture or below the horizon may be left out
-};
 
 /// What a command line may set. Parameters that follow from the tolerance are the methods' own.
 struct LodOptions {
   bool roughness = false;           ///< quadtree: d2 of [4, (5.6)]
   bool angle_compensation = false;  ///< quadtree: C_N of [4, (5.9)]
-};
-
-/// A sample: the same place from whichever tile has the same point (but for x and x + kLatticeAround).
-struct LodVertex {
-  LatticePoint point;
-  double height_m = 0;  ///< quanta · quantum_m; at a void sample, of its filler
-  friend bool operator==(const LodVertex&, const LodVertex&) = default;
-};
-
-/// The vertices' numbers, counter-clockwise as seen from above.
-using LodTriangle = std::array<std::uint32_t, 3>;
-
-/// Of one tile of the scene, drawn at once.
-struct LodTileMesh {
-  std::size_t tile = 0;  ///< in LodScene::tiles
-  std::vector<LodVertex> vertices;
-  std::vector<LodTriangle> triangles;
-};
-
-/// The triangulation descriptions of [0, Table 1]. A "part" is drawn with one call.
-enum class IndexForm : std::uint8_t { list, fan, strip, degenerate_strip };
-inline constexpr std::array kIndexForms{IndexForm::list, IndexForm::fan, IndexForm::strip,
-                                        IndexForm::degenerate_strip};
-struct IndexCount {
-  std::uint64_t indices = 0;
-  std::uint64_t parts = 0;
-};
-
-/// Triangles meet along whole edges, within and between tiles of any levels, on both sides with the same
-/// vertices. Void samples are part of the mesh: a renderer masks them.
-struct LodMesh {
-  std::vector<LodTileMesh> tiles;
-  /// Of the method's own triangulation, in the forms that its paper has; `list` by every method.
-  std::array<std::optional<IndexCount>, 4> forms;
-  double selection_s = 0;  ///< CPU seconds for choosing what is drawn
-  double building_s = 0;   ///< CPU seconds for vertices, indices and joining the tiles
-
-  std::size_t triangle_count() const {
-    std::size_t count = 0;
-    for (const LodTileMesh& tile : tiles) count += tile.triangles.size();
-    return count;
-  }
-  const std::optional<IndexCount>& form(IndexForm f) const { return forms[static_cast<std::size_t>(f)]; }
-  /// Adds to the form's count.
-  void count(IndexForm f, IndexCount more) {
-    std::optional<IndexCount>& sum = forms[static_cast<std::size_t>(f)];
-    if (!sum) sum.emplace();
-    sum->indices += more.indices;
-    sum->parts += more.parts;
-  }
 };
 
 /// One method at work on one flight. Results depend on nothing but the scene and the view, unless the method

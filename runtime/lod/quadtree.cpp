@@ -13,8 +13,9 @@
 //
 // Departures, because the description leaves cracks there: (a) a node is split where a neighbour of its size
 // has a split child beside it, in its tile or in the next of the same level, whatever f says (the thesis
-// relies on C, and its frustum test breaks even that); (b) tiles of different levels are joined by conform();
-// (c) a tile's root is always split. The rule bounds no error, so no tolerance is promised.
+// relies on C, and its frustum test breaks even that); (b) tiles of different levels are joined by
+// remove_t_junctions(); (c) a tile's root is always split. The rule bounds no error, so no tolerance is
+// promised.
 
 #include <algorithm>
 #include <cmath>
@@ -24,9 +25,9 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "runtime/lod/mesh/conform.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/grid_positions.h"
+#include "runtime/lod/mesh/remove_t_junctions.h"
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
@@ -161,7 +162,7 @@ class Criterion {
  private:
   Screen screen_;
   LocalFrame frame_;
-  ViewVolume volume_;
+  ViewFrustum volume_;
   bool cull_;
   bool rough_;
   double detail_ = 0;  // C or C_N
@@ -332,7 +333,7 @@ class Quadtree : public LodMethod {
     const double selected = thread_cpu_s();
     LodMesh mesh;
     for (const std::size_t index : drawn) Fans(split, index, numbers_, mesh).draw();
-    conform(scene, mesh);
+    remove_t_junctions(scene, mesh);
     mesh.selection_s = selected - start;
     mesh.building_s = thread_cpu_s() - selected;
     return mesh;

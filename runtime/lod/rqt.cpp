@@ -6,11 +6,11 @@
 // Departures: the sample has one triangulation a patch and splits the patch into four until it is good
 // enough; here the scene says which tiles there are, so each has eight, every one with twice the error of the
 // one before, and a patch is 64×64 cells of a tile. The error on the screen holds up to the picture's corners
-// (Allowance); the tile's own error against finer ones counts, and what triangles differ by from the bilinear
-// surface between samples; squares whose flat triangles would leave the curved Earth by more than an eighth
-// of what is allowed are split. A tile that has no flags is triangulated when it is loaded, from a 64th of
-// its samples' spacing on. Where patches take different triangulations, their border gets the vertices of
-// both.
+// (ScreenErrorBudget); the tile's own error against finer ones counts, and what triangles differ by from the
+// bilinear surface between samples; squares whose flat triangles would leave the curved Earth by more than an
+// eighth of what is allowed are split. A tile that has no flags is triangulated when it is loaded, from a
+// 64th of its samples' spacing on. Where patches take different triangulations, their border gets the
+// vertices of both.
 //
 // Promise: as the method `cairn`'s.
 
@@ -23,23 +23,23 @@
 
 #include "format/rqt_block.h"
 #include "format/rqt_triangulate.h"
-#include "runtime/lod/mesh/allowance.h"
 #include "runtime/lod/mesh/bisection_forest.h"
-#include "runtime/lod/mesh/conform.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/patches.h"
+#include "runtime/lod/mesh/remove_t_junctions.h"
+#include "runtime/lod/mesh/screen_error_budget.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_errors.h"
 #include "runtime/view/geodesy.h"
-#include "runtime/view/visible_set.h"
+#include "runtime/view/view_frustum.h"
 
 namespace cairn {
 namespace {
 
 constexpr int kStepsWithoutFlags = 8;
 constexpr double kSpacingToTolerance = 1.0 / 64;
-constexpr double kChordShare = 1.0 / 8;
+constexpr double kMaxSagittaShare = 1.0 / 8;
 constexpr int kPatchCells = 64;
 
 /// A tile's triangulations, and the chord of its cells.
@@ -171,7 +171,7 @@ class Rqt : public LodMethod {
     for (const std::size_t i : drawn)
       forest_.append(
           scene, i, BisectionForest::kNeverCull, [](int, int, int) { return true; }, mesh);
-    conform(scene, forest_.meet_finer(), mesh);
+    remove_t_junctions(scene, forest_.meet_finer(), mesh);
     mesh.count(IndexForm::list, {3 * mesh.triangle_count(), mesh.tiles.size()});
     mesh.selection_s = selected - start;
     mesh.building_s = thread_cpu_s() - selected;
@@ -201,8 +201,8 @@ class Rqt : public LodMethod {
   }
 
   void choose(const LodScene& scene, const LodView& view, const std::vector<std::size_t>& drawn) {
-    const Allowance allowance(view, scene.lowest_m);
-    const ViewVolume volume(view.view, Occluder(scene.lowest_m));
+    const ScreenErrorBudget allowance(view, scene.lowest_m);
+    const ViewFrustum volume(view.view, Occluder(scene.lowest_m));
     const glm::dvec3 eye = camera_frame(view.view).position;
     forest_.begin();
     for (const std::size_t i : drawn) {
@@ -215,7 +215,7 @@ class Rqt : public LodMethod {
       for (std::size_t p = 0; p < patches.size(); ++p) {
         if (view.cull && !volume.sees(patches[p].volume)) continue;
         const double between_m = tile.error_m > 0 ? tile.error_m + twists_m[p] : 0;
-        const Allowance::Scale scale = allowance.scale_from(patches[p].volume.distance_m(eye));
+        const ScreenErrorBudget::Scale scale = allowance.scale_from(patches[p].volume.distance_m(eye));
         taking.set(patches[p], choice_for(own, allowance.error_m(scale, between_m, 0)));
       }
       taking.run();
@@ -227,10 +227,10 @@ class Rqt : public LodMethod {
     Choice choice{-1, 1};
     while (choice.coarsest < 15 &&
            own.chord_m * static_cast<double>(std::uint64_t{4} << (2 * choice.coarsest)) <=
-               allowed_m * kChordShare)
+               allowed_m * kMaxSagittaShare)
       ++choice.coarsest;
     double error_m = static_cast<double>(own.block.tolerance_m);
-    while (choice.step + 1 < own.block.steps && error_m <= allowed_m * (1 - kChordShare)) {
+    while (choice.step + 1 < own.block.steps && error_m <= allowed_m * (1 - kMaxSagittaShare)) {
       ++choice.step;
       error_m *= 2;
     }

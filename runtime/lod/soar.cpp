@@ -23,13 +23,13 @@
 #include <glm/geometric.hpp>
 
 #include "format/rqt_steps.h"
-#include "runtime/lod/mesh/allowance.h"
 #include "runtime/lod/mesh/bisection_forest.h"
-#include "runtime/lod/mesh/conform.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/index_forms.h"
 #include "runtime/lod/mesh/prepared_tiles.h"
+#include "runtime/lod/mesh/remove_t_junctions.h"
+#include "runtime/lod/mesh/screen_error_budget.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_errors.h"
@@ -104,7 +104,7 @@ struct NestedSpheres {
 class Refinement {
  public:
   Refinement(const LodScene& scene, std::size_t number, const NestedSpheres& spheres,
-             const Allowance& allowance, const LodView& view, BisectionForest& forest)
+             const ScreenErrorBudget& allowance, const LodView& view, BisectionForest& forest)
       : tile_(scene.tiles[number]),
         window_(scene, tile_),
         number_(number),
@@ -139,7 +139,7 @@ class Refinement {
     const SquareSphere sphere{spheres_.positions.at(column, row, window_.height_m(c, r)),
                               static_cast<double>(spheres_.radii_m[i])};
     if (cull_ && !allowance_.sees(sphere)) return false;
-    const Allowance::Scale scale = allowance_.isotropic(allowance_.scale_of(sphere));
+    const ScreenErrorBudget::Scale scale = allowance_.isotropic(allowance_.scale_of(sphere));
     return static_cast<double>(spheres_.errors_m[i]) > allowance_.error_m(scale, tile_.error_m, 0);
   }
 
@@ -147,7 +147,7 @@ class Refinement {
   TileWindow window_;
   std::size_t number_;
   const NestedSpheres& spheres_;
-  const Allowance& allowance_;
+  const ScreenErrorBudget& allowance_;
   bool cull_;
   BisectionForest& forest_;
 };
@@ -224,7 +224,7 @@ class Soar : public LodMethod {
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
     const double start = thread_cpu_s();
-    const Allowance allowance(view, scene.lowest_m);
+    const ScreenErrorBudget allowance(view, scene.lowest_m);
     const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
     forest_.begin();
     for (const std::size_t i : drawn)
@@ -233,7 +233,7 @@ class Soar : public LodMethod {
     const double selected = thread_cpu_s();
     LodMesh mesh;
     for (const std::size_t i : drawn) append(scene, i, mesh);
-    conform(scene, forest_.meet_finer(), mesh);
+    remove_t_junctions(scene, forest_.meet_finer(), mesh);
     mesh.count(IndexForm::list, {3 * mesh.triangle_count(), mesh.tiles.size()});
     mesh.selection_s = selected - start;
     mesh.building_s = thread_cpu_s() - selected;

@@ -13,7 +13,7 @@ constexpr std::size_t kMostAtOnce = 16;    // tiles that may replace one without
 constexpr std::uint64_t kSparePlaces = 5;  // a tile's four children, and a coarser tile to win memory back
 constexpr std::uint64_t kLeastPlaces = 24;
 
-std::uint64_t bytes_of_a_place(const PackContents& contents) {
+std::uint64_t bytes_of_a_place(const TileAvailability& contents) {
   const int size = contents.pack().header().tile_size;
   IndexEntry heights;
   heights.flags = kHasVoids;
@@ -25,7 +25,7 @@ std::uint64_t bytes_of_a_place(const PackContents& contents) {
 
 /// Reading a tile takes its block, which may be as large as the tile, and the decoder's working memory,
 /// beside the tile itself.
-std::uint64_t bytes_of_workers(const PackContents& contents, int workers) {
+std::uint64_t bytes_of_workers(const TileAvailability& contents, int workers) {
   return 3 * bytes_of_a_place(contents) * static_cast<std::uint64_t>(workers);
 }
 
@@ -42,7 +42,7 @@ LoadedTile flat_tile(const IndexEntry& entry, int size) {
 
 /// How much a change of the cover is needed.
 struct Pager::Need {
-  CoverChange change;
+  CutChange change;
   bool visible = false;
   double distance_by_width = 0;
 
@@ -51,7 +51,7 @@ struct Pager::Need {
   }
 };
 
-Pager::Pager(PackContents& contents, ReadTile read, const Occluder& occluder, const PagerOptions& options)
+Pager::Pager(TileAvailability& contents, ReadTile read, const Occluder& occluder, const PagerOptions& options)
     : contents_(contents),
       occluder_(occluder),
       options_(options),
@@ -59,19 +59,19 @@ Pager::Pager(PackContents& contents, ReadTile read, const Occluder& occluder, co
       capacity_(options.cache_bytes - bytes_of_workers(contents, options.workers)),
       queue_(std::move(read), options.workers, contents.pack().header().tile_size) {
   assert(options.cache_bytes >= least_bytes(contents, options.workers));
-  const CoverTile root = make_cover_tile({kMinLevel, 0, 0}, contents_, occluder_);
-  drawn_ = {CoverTile{root.area, std::nullopt, std::nullopt, root.volume}};
+  const CutNode root = make_cover_tile({kMinLevel, 0, 0}, contents_, occluder_);
+  drawn_ = {CutNode{root.area, std::nullopt, std::nullopt, root.volume}};
   target_ = {root};
 }
 
-std::uint64_t Pager::least_bytes(const PackContents& contents, int workers) {
+std::uint64_t Pager::least_bytes(const TileAvailability& contents, int workers) {
   return bytes_of_workers(contents, workers) + kLeastPlaces * bytes_of_a_place(contents);
 }
 
-bool Pager::fits(const Cover& cover) const {
+bool Pager::fits(const TileCut& cover) const {
   std::unordered_set<TileKey> seen;
   std::uint64_t bytes = kSparePlaces * place_bytes_;
-  for (const CoverTile& tile : cover) {
+  for (const CutNode& tile : cover) {
     tile.for_each_source([&](const IndexEntry& entry) {
       if (seen.insert(key_of(entry)).second) {
         bytes += decoded_bytes_bound(entry, contents_.pack().header().tile_size);
@@ -81,7 +81,7 @@ bool Pager::fits(const Cover& cover) const {
   return bytes <= capacity_;
 }
 
-void Pager::set_target(Cover target) {
+void Pager::set_target(TileCut target) {
   target_ = std::move(target);
   settled_ = false;
   outdated_ = false;
@@ -99,7 +99,7 @@ void Pager::advance() {
   }
 }
 
-void Pager::request(const ViewVolume& view) {
+void Pager::request(const ViewFrustum& view) {
   if (outdated_ || (settled_ && planned_)) return;
   const auto now = LoadQueue::Clock::now();
   plan(view);
@@ -135,14 +135,14 @@ void Pager::give_up(const IndexEntry& entry, const Error& error) {
   outdated_ = true;
 }
 
-bool Pager::is_ready(const CoverTile& tile) const {
+bool Pager::is_ready(const CutNode& tile) const {
   bool ready = true;
   tile.for_each_source([&](const IndexEntry& entry) { ready = ready && find(entry) != nullptr; });
   return ready;
 }
 
-Cover Pager::children_of(const CoverTile& tile) const {
-  Cover children;
+TileCut Pager::children_of(const CutNode& tile) const {
+  TileCut children;
   for (int quadrant = 0; quadrant < 4; ++quadrant) {
     const TileId id = child_of(tile.area, quadrant);
     if (is_valid(id)) children.push_back(make_cover_tile(id, contents_, occluder_));
@@ -152,16 +152,16 @@ Cover Pager::children_of(const CoverTile& tile) const {
 
 /// One pass over all that differs; whether anything was replaced.
 bool Pager::replace_what_is_ready() {
-  const std::vector<CoverChange> changes = changes_between(drawn_, target_);
+  const std::vector<CutChange> changes = changes_between(drawn_, target_);
   settled_ = changes.empty();
-  Cover next;
+  TileCut next;
   next.reserve(target_.size());
   bool replaced = false;
   std::size_t kept = 0;
   const auto keep_until = [&](std::size_t end) {
     for (; kept < end; ++kept) next.push_back(std::move(drawn_[kept]));
   };
-  for (const CoverChange& change : changes) {
+  for (const CutChange& change : changes) {
     keep_until(change.old_first);
     if (!replace(change, next)) continue;
     replaced = true;
@@ -173,8 +173,8 @@ bool Pager::replace_what_is_ready() {
   return replaced;
 }
 
-bool Pager::replace(const CoverChange& change, Cover& next) {
-  const auto is_ready_tile = [this](const CoverTile& tile) { return is_ready(tile); };
+bool Pager::replace(const CutChange& change, TileCut& next) {
+  const auto is_ready_tile = [this](const CutNode& tile) { return is_ready(tile); };
   const auto first = target_.begin() + static_cast<std::ptrdiff_t>(change.new_first);
   const auto last = first + static_cast<std::ptrdiff_t>(change.new_count);
   if (std::all_of(first, last, is_ready_tile)) {
@@ -182,13 +182,13 @@ bool Pager::replace(const CoverChange& change, Cover& next) {
     return true;
   }
   if (change.new_count <= 4) return false;
-  const Cover children = children_of(drawn_[change.old_first]);
+  const TileCut children = children_of(drawn_[change.old_first]);
   if (!std::all_of(children.begin(), children.end(), is_ready_tile)) return false;
   next.insert(next.end(), children.begin(), children.end());
   return true;
 }
 
-std::vector<IndexEntry> Pager::sources_for(const CoverChange& change) const {
+std::vector<IndexEntry> Pager::sources_for(const CutChange& change) const {
   std::vector<IndexEntry> sources;
   for (std::size_t i = 0; i < change.new_count; ++i) {
     target_[change.new_first + i].for_each_source([&](const IndexEntry& e) { sources.push_back(e); });
@@ -196,23 +196,23 @@ std::vector<IndexEntry> Pager::sources_for(const CoverChange& change) const {
   return sources;
 }
 
-Pager::Need Pager::need_for(const CoverChange& change, const ViewVolume& view) const {
-  const CoverTile& whole = change.coarsens() ? target_[change.new_first] : drawn_[change.old_first];
+Pager::Need Pager::need_for(const CutChange& change, const ViewFrustum& view) const {
+  const CutNode& whole = change.coarsens() ? target_[change.new_first] : drawn_[change.old_first];
   const double width = 2 * glm::length(whole.volume.half_axes[1]);
   return {change, view.sees(whole.volume), whole.volume.distance_m(view.eye()) / width};
 }
 
 /// Decides what is held in this round: all that is drawn, then what replaces it, as far as memory goes.
-void Pager::plan(const ViewVolume& view) {
+void Pager::plan(const ViewFrustum& view) {
   held_.clear();
   held_bytes_ = 0;
   missing_.clear();
   cache_.unpin_all();
-  for (const CoverTile& tile : drawn_) {
+  for (const CutNode& tile : drawn_) {
     tile.for_each_source([&](const IndexEntry& entry) { hold({&entry, 1}, capacity_); });
   }
   std::vector<Need> needs;
-  for (const CoverChange& change : changes_between(drawn_, target_)) needs.push_back(need_for(change, view));
+  for (const CutChange& change : changes_between(drawn_, target_)) needs.push_back(need_for(change, view));
   std::sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) { return a.before(b); });
   for (const Need& need : needs) admit(need);
   for (const IndexEntry& entry : ahead_) hold({&entry, 1}, capacity_ - kSparePlaces * place_bytes_);
@@ -223,7 +223,7 @@ void Pager::admit(const Need& need) {
   if (need.change.new_count <= kMostAtOnce && hold(sources_for(need.change), limit)) return;
   if (need.change.new_count <= 4) return;
   std::vector<IndexEntry> sources;
-  for (const CoverTile& child : children_of(drawn_[need.change.old_first])) {
+  for (const CutNode& child : children_of(drawn_[need.change.old_first])) {
     child.for_each_source([&](const IndexEntry& entry) { sources.push_back(entry); });
   }
   hold(sources, limit);

@@ -5,11 +5,11 @@
 #include <unordered_set>
 #include <vector>
 
-#include "runtime/paging/cover.h"
 #include "runtime/paging/load_queue.h"
-#include "runtime/paging/pack_contents.h"
+#include "runtime/paging/tile_availability.h"
 #include "runtime/paging/tile_cache.h"
-#include "runtime/view/visible_set.h"
+#include "runtime/paging/tile_cut.h"
+#include "runtime/view/view_frustum.h"
 
 namespace cairn {
 
@@ -35,27 +35,27 @@ class Pager {
  public:
   /// `contents` must outlive the pager; damaged tiles are noted in it. REQUIRES: cache_bytes >=
   /// least_bytes().
-  Pager(PackContents& contents, ReadTile read, const Occluder& occluder, const PagerOptions& options);
+  Pager(TileAvailability& contents, ReadTile read, const Occluder& occluder, const PagerOptions& options);
 
   /// The least budget that can work with this pack and this many workers.
-  static std::uint64_t least_bytes(const PackContents& contents, int workers);
+  static std::uint64_t least_bytes(const TileAvailability& contents, int workers);
 
   /// Whether the cover's tiles fit the budget, with what it takes to replace them.
-  bool fits(const Cover& cover) const;
+  bool fits(const TileCut& cover) const;
 
   /// What to draw from now on. REQUIRES: fits(target), or no coarser one does.
-  void set_target(Cover target);
-  const Cover& target() const { return target_; }
+  void set_target(TileCut target);
+  const TileCut& target() const { return target_; }
   /// What may be wanted next, after all that is.
   void set_ahead(std::vector<IndexEntry> ahead);
 
   /// Takes in what was loaded and replaces what can be replaced. Never waits.
   void advance();
   /// Asks for what is missing, and evicts to make room for it: let go of tiles that are drawn no more before.
-  void request(const ViewVolume& view);
+  void request(const ViewFrustum& view);
 
   /// Covers the Earth; each tile's data is resident. At first the root, which shows nothing.
-  const Cover& drawn() const { return drawn_; }
+  const TileCut& drawn() const { return drawn_; }
   /// Counts the changes of drawn().
   std::uint64_t drawn_version() const { return drawn_version_; }
   bool is_settled() const { return settled_; }
@@ -74,26 +74,26 @@ class Pager {
   void receive(LoadQueue::Clock::time_point now);
   void give_up(const IndexEntry& entry, const Error& error);
   bool replace_what_is_ready();
-  bool replace(const CoverChange& change, Cover& next);
-  bool is_ready(const CoverTile& tile) const;
-  Cover children_of(const CoverTile& tile) const;
-  Need need_for(const CoverChange& change, const ViewVolume& view) const;
-  std::vector<IndexEntry> sources_for(const CoverChange& change) const;
-  void plan(const ViewVolume& view);
+  bool replace(const CutChange& change, TileCut& next);
+  bool is_ready(const CutNode& tile) const;
+  TileCut children_of(const CutNode& tile) const;
+  Need need_for(const CutChange& change, const ViewFrustum& view) const;
+  std::vector<IndexEntry> sources_for(const CutChange& change) const;
+  void plan(const ViewFrustum& view);
   void admit(const Need& need);
   bool hold(std::span<const IndexEntry> sources, std::uint64_t limit);
   void ask(LoadQueue::Clock::time_point now);
   std::uint64_t bytes_of(const IndexEntry& entry) const;
 
-  PackContents& contents_;
+  TileAvailability& contents_;
   const Occluder occluder_;
   const PagerOptions options_;
   const std::uint64_t place_bytes_;  // of the tiles of one area at most
   const std::uint64_t capacity_;     // of the cache and of what is under way
 
   TileCache cache_;
-  Cover drawn_;
-  Cover target_;
+  TileCut drawn_;
+  TileCut target_;
   std::vector<IndexEntry> ahead_;
   bool settled_ = false;
   bool planned_ = false;   // and nothing has changed since

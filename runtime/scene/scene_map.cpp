@@ -11,16 +11,16 @@ namespace cairn {
 namespace {
 
 struct Name {
-  Marking marking;
+  RefinementPattern pattern;
   std::string_view word;
 };
-constexpr std::array<Name, 7> kNames{{{Marking::normal, "normal"},
-                                      {Marking::plus, "plus"},
-                                      {Marking::cross, "cross"},
-                                      {Marking::restricted, "restricted"},
-                                      {Marking::balanced, "balanced"},
-                                      {Marking::nine, "nine"},
-                                      {Marking::window, "window"}}};
+constexpr std::array<Name, 7> kNames{{{RefinementPattern::normal, "normal"},
+                                      {RefinementPattern::plus, "plus"},
+                                      {RefinementPattern::cross, "cross"},
+                                      {RefinementPattern::restricted, "restricted"},
+                                      {RefinementPattern::balanced, "balanced"},
+                                      {RefinementPattern::nine, "nine"},
+                                      {RefinementPattern::window, "window"}}};
 
 /// The level of the nearest ancestor of `id` that can be had, `id` not counted.
 std::int8_t inherited_level(TileId id, const HasTile& has) {
@@ -106,22 +106,22 @@ SceneMap quadtree(const SceneMapSpec& spec, const HasTile& has) {
 
 }  // namespace
 
-std::span<const Marking> all_markings() {
+std::span<const RefinementPattern> all_refinement_patterns() {
   static constexpr auto all = [] {
-    std::array<Marking, kNames.size()> markings{};
-    std::transform(kNames.begin(), kNames.end(), markings.begin(), [](const Name& n) { return n.marking; });
-    return markings;
+    std::array<RefinementPattern, kNames.size()> patterns{};
+    std::transform(kNames.begin(), kNames.end(), patterns.begin(), [](const Name& n) { return n.pattern; });
+    return patterns;
   }();
   return all;
 }
 
-std::string_view to_string(Marking marking) {
-  return kNames[static_cast<std::size_t>(marking)].word;
+std::string_view to_string(RefinementPattern pattern) {
+  return kNames[static_cast<std::size_t>(pattern)].word;
 }
 
-std::optional<Marking> marking_from(std::string_view word) {
+std::optional<RefinementPattern> refinement_pattern_from(std::string_view word) {
   for (const Name& name : kNames) {
-    if (name.word == word) return name.marking;
+    if (name.word == word) return name.pattern;
   }
   return std::nullopt;
 }
@@ -130,11 +130,11 @@ SceneMap build_scene_map(const SceneMapSpec& spec, const HasTile& has) {
   assert(is_valid(spec.eye) && spec.coarsest >= kMinLevel && spec.coarsest <= spec.eye.level);
   assert(spec.window_tiles >= 1 && spec.window_tiles <= 64);
   SceneMap map;
-  switch (spec.marking) {
-    case Marking::nine:
+  switch (spec.pattern) {
+    case RefinementPattern::nine:
       map = one_level(spec.eye, -1, 3, has);
       break;
-    case Marking::window:
+    case RefinementPattern::window:
       map = one_level(spec.eye, -(spec.window_tiles / 2), spec.window_tiles, has);
       break;
     default:

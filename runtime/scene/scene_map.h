@@ -13,7 +13,7 @@
 namespace cairn {
 
 /// Which tiles around the eye's own are split for; seed [4] §6.2 unless another is named.
-enum class Marking : std::uint8_t {
+enum class RefinementPattern : std::uint8_t {
   normal,      ///< the quadtree path to the eye's tile
   plus,        ///< also to its 4 edge neighbours
   cross,       ///< also to its 4 diagonal neighbours: all 8 neighbours are of the finest level
@@ -25,14 +25,14 @@ enum class Marking : std::uint8_t {
   window,      ///< n×n tiles of the finest level and no other; [4, Fig. 6.1.1]
 };
 
-/// All markings, in the order of the reports, and the words for them on command lines.
-std::span<const Marking> all_markings();
-std::string_view to_string(Marking marking);
-std::optional<Marking> marking_from(std::string_view word);
+/// All patterns, in the order of the reports, and the words for them on command lines.
+std::span<const RefinementPattern> all_refinement_patterns();
+std::string_view to_string(RefinementPattern pattern);
+std::optional<RefinementPattern> refinement_pattern_from(std::string_view word);
 
 /// What decides a scene map; nothing else does.
 ///
-/// At each level finer than `coarsest - 1` the marking names the tiles to split; the map is the leaves. In
+/// At each level finer than `coarsest - 1` the pattern names the tiles to split; the map is the leaves. In
 /// `restricted`, at each level l the parents of the eye's tile at l and of its 4 diagonal neighbours at l are
 /// split, so that a 4×4 group of level-l tiles surrounds the eye.
 ///
@@ -48,8 +48,8 @@ std::optional<Marking> marking_from(std::string_view word);
 struct SceneMapSpec {
   TileId eye;                ///< the eye's tile at the finest level; valid
   int coarsest = kMinLevel;  ///< kMinLevel covers the whole Earth; f-K+1 gives the K levels that are counted
-  Marking marking = Marking::restricted;
-  int window_tiles = 8;  ///< n of Marking::window; 1…64
+  RefinementPattern pattern = RefinementPattern::restricted;
+  int window_tiles = 8;  ///< n of RefinementPattern::window; 1…64
 };
 
 /// Which tiles can be had: a pack's, less those known to be damaged. Null: all of them. Called once for each

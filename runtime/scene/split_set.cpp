@@ -71,17 +71,17 @@ bool SplitSet::insert(const TileId& id) {
 
 SplitSet mark_splits(const SceneMapSpec& spec) {
   SplitSet splits;
-  switch (spec.marking) {
-    case Marking::plus:
+  switch (spec.pattern) {
+    case RefinementPattern::plus:
       mark_paths(spec, kPlus, splits);
       break;
-    case Marking::cross:
+    case RefinementPattern::cross:
       mark_paths(spec, kCross, splits);
       break;
-    case Marking::restricted:
+    case RefinementPattern::restricted:
       mark_every_level(spec, splits);
       break;
-    case Marking::balanced:
+    case RefinementPattern::balanced:
       mark_every_level(spec, splits);
       balance(spec, splits);
       break;

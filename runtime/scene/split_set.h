@@ -23,8 +23,8 @@ class SplitSet {
   std::array<std::vector<TileId>, kMaxLevel - kMinLevel + 1> levels_;
 };
 
-/// The tiles that the spec's marking splits, from level coarsest-1 (kMinLevel at least) to the eye's level
-/// less one. With a tile its parent is there too. REQUIRES: a marking of several levels.
+/// The tiles that the spec's pattern splits, from level coarsest-1 (kMinLevel at least) to the eye's level
+/// less one. With a tile its parent is there too. REQUIRES: a pattern of several levels.
 SplitSet mark_splits(const SceneMapSpec& spec);
 
 }  // namespace cairn

@@ -8,7 +8,7 @@ TileId endless_world() {
 
 std::vector<TileId> counted_tiles(const CountSpec& spec, const TileId& eye) {
   return sources_of(
-      build_scene_map({eye, eye.level - spec.levels + 1, spec.marking, spec.window_tiles}, spec.has));
+      build_scene_map({eye, eye.level - spec.levels + 1, spec.pattern, spec.window_tiles}, spec.has));
 }
 
 std::vector<MoveCount> count_walk(const CountSpec& spec, std::span<const Move> walk) {

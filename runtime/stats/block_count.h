@@ -9,11 +9,11 @@
 
 namespace cairn {
 
-/// What is counted: the K levels of the maps of one marking.
+/// What is counted: the K levels of the maps of one pattern.
 struct CountSpec {
   TileId start;    ///< the eye's tile before the first move
   int levels = 4;  ///< K; start.level - K + 1 >= kMinLevel
-  Marking marking = Marking::restricted;
+  RefinementPattern pattern = RefinementPattern::restricted;
   int window_tiles = 8;
   HasTile has;  ///< null: the endless world, where every tile exists
 };

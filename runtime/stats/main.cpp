@@ -18,7 +18,7 @@ namespace cairn {
 namespace {
 
 struct Options {
-  std::string marking = "all";
+  std::string pattern = "all";
   int levels = 4;
   int window = 8;
   std::string walk = "random";
@@ -34,10 +34,10 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& o) {
-  app.add_option("--marking", o.marking,
+  app.add_option("--pattern", o.pattern,
                  "all, or one of normal, plus, cross, restricted, balanced, nine, window");
   app.add_option("--levels", o.levels, "K, the levels that are counted")->check(CLI::Range(2, 9));
-  app.add_option("--window", o.window, "tiles along a side of the window marking")->check(CLI::Range(1, 64));
+  app.add_option("--window", o.window, "tiles along a side of the window pattern")->check(CLI::Range(1, 64));
   app.add_option("--walk", o.walk, "axis, diagonal, random, or a file with a line dx,dy a move");
   app.add_option("--moves", o.moves, "moves of the walk")->check(CLI::Range(1, 100000));
   app.add_option("--seed", o.seed, "of the walk");
@@ -52,11 +52,11 @@ void declare(CLI::App& app, Options& o) {
       ->expected(2);
 }
 
-Result<std::vector<Marking>> chosen_markings(const std::string& word) {
-  const auto all = all_markings();
-  if (word == "all") return std::vector<Marking>(all.begin(), all.end());
-  if (const auto marking = marking_from(word)) return std::vector<Marking>{*marking};
-  return usage_error("--marking: expected all or a marking's name, found " + word);
+Result<std::vector<RefinementPattern>> chosen_patterns(const std::string& word) {
+  const auto all = all_refinement_patterns();
+  if (word == "all") return std::vector<RefinementPattern>(all.begin(), all.end());
+  if (const auto pattern = refinement_pattern_from(word)) return std::vector<RefinementPattern>{*pattern};
+  return usage_error("--pattern: expected all or a pattern's name, found " + word);
 }
 
 Result<std::vector<Move>> chosen_walk(const Options& o) {
@@ -84,15 +84,15 @@ Status write_text(const std::filesystem::path& path, const std::string& text) {
   return {};
 }
 
-Status draw(const Options& o, const std::vector<Marking>& markings) {
-  if (markings.size() != 1) return usage_error("--draw: expected one --marking, found " + o.marking);
+Status draw(const Options& o, const std::vector<RefinementPattern>& patterns) {
+  if (patterns.size() != 1) return usage_error("--draw: expected one --pattern, found " + o.pattern);
   int x = 0, y = 0;
   if (std::sscanf(o.draw[0].c_str(), "%d,%d", &x, &y) != 2) {
     return usage_error("--draw: expected X,Y, found " + o.draw[0]);
   }
   const TileId eye = neighbour_of(endless_world(), x, y);
-  const SceneMap map = build_scene_map({eye, eye.level - o.levels + 1, markings[0], o.window});
-  const std::string title = std::string(to_string(markings[0])) + ", " + std::to_string(o.levels) +
+  const SceneMap map = build_scene_map({eye, eye.level - o.levels + 1, patterns[0], o.window});
+  const std::string title = std::string(to_string(patterns[0])) + ", " + std::to_string(o.levels) +
                             " levels: " + std::to_string(map.size()) + " tiles";
   return write_text(o.draw[1], draw_map(map, eye, title));
 }
@@ -105,14 +105,14 @@ Status write_reports(const Options& o, const StatsReport& report) {
   return o.csv.empty() ? Status{} : write_text(o.csv, to_csv(report));
 }
 
-Status count(const Options& o, const std::vector<Marking>& markings) {
+Status count(const Options& o, const std::vector<RefinementPattern>& patterns) {
   const auto walk = chosen_walk(o);
   if (!walk) return walk.error();
   StatsReport report{o.levels, o.walk, o.seed, o.exhaustive, "", {}};
-  for (const Marking marking : markings) {
-    const CountSpec spec{chosen_start(o), o.levels, marking, o.window, nullptr};
-    report.markings.push_back(
-        {marking,
+  for (const RefinementPattern pattern : patterns) {
+    const CountSpec spec{chosen_start(o), o.levels, pattern, o.window, nullptr};
+    report.patterns.push_back(
+        {pattern,
          o.exhaustive ? count_exhaustively(spec, moves_of_kind(o.walk)) : count_walk(spec, *walk),
          {}});
   }
@@ -126,8 +126,8 @@ Result<std::shared_ptr<const PackReader>> open_pack(const Options& o) {
   return std::make_shared<const PackReader>(std::move(*pack));
 }
 
-Status count_over_pack(const Options& o, const std::vector<Marking>& markings, const PackReader& pack,
-                       TimedLoader& loader) {
+Status count_over_pack(const Options& o, const std::vector<RefinementPattern>& patterns,
+                       const PackReader& pack, TimedLoader& loader) {
   const HasTile has = [&pack](const TileId& id) { return pack.find_index(Layer::heights, id).has_value(); };
   const auto start = middle_tile(pack);
   if (!start) return bad_data(o.pack.string() + ": expected tiles of heights, found none");
@@ -135,21 +135,21 @@ Status count_over_pack(const Options& o, const std::vector<Marking>& markings, c
   if (!walk) return walk.error();
   const std::vector<Move> inside = kept_inside(*walk, *start, has);
   StatsReport report{o.levels, o.walk, o.seed, false, o.pack.string(), {}};
-  for (const Marking marking : markings) {
-    const CountSpec spec{*start, o.levels, marking, o.window, has};
+  for (const RefinementPattern pattern : patterns) {
+    const CountSpec spec{*start, o.levels, pattern, o.window, has};
     auto loads = load_walk(spec, inside, pack, loader);
     if (!loads) return loads.error();
-    report.markings.push_back({marking, count_walk(spec, inside), std::move(*loads)});
+    report.patterns.push_back({pattern, count_walk(spec, inside), std::move(*loads)});
   }
   return write_reports(o, report);
 }
 
-Status use_pack(const Options& o, const std::vector<Marking>& markings) {
+Status use_pack(const Options& o, const std::vector<RefinementPattern>& patterns) {
   const auto pack = open_pack(o);
   if (!pack) return pack.error();
   if (o.loading == 0) {
     TimedLoader loader(read_from(*pack), o.workers);
-    return count_over_pack(o, markings, **pack, loader);
+    return count_over_pack(o, patterns, **pack, loader);
   }
   const auto times = time_loading(*pack, o.loading, o.workers);
   if (!times) return times.error();
@@ -159,12 +159,12 @@ Status use_pack(const Options& o, const std::vector<Marking>& markings) {
 }
 
 Status run_checked(const Options& o) {
-  const auto markings = chosen_markings(o.marking);
-  if (!markings) return markings.error();
-  if (!o.draw.empty()) return draw(o, *markings);
-  if (!o.pack.empty()) return use_pack(o, *markings);
+  const auto patterns = chosen_patterns(o.pattern);
+  if (!patterns) return patterns.error();
+  if (!o.draw.empty()) return draw(o, *patterns);
+  if (!o.pack.empty()) return use_pack(o, *patterns);
   if (o.loading > 0) return usage_error("--loading: expected --pack, found none");
-  return count(o, *markings);
+  return count(o, *patterns);
 }
 
 int run(const Options& o) {

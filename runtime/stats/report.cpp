@@ -22,7 +22,7 @@ Summary summarize_field(const Items& items, Field field) {
   return summarize(std::move(samples));
 }
 
-Json total_json(const MarkingReport& report) {
+Json total_json(const PatternReport& report) {
   const Summary s = summarize_field(report.counts, &MoveCount::total);
   std::set<std::size_t> values;
   for (const MoveCount& count : report.counts) values.insert(count.total);
@@ -32,7 +32,7 @@ Json total_json(const MarkingReport& report) {
           {"values", values}};
 }
 
-Json difference_json(const MarkingReport& report) {
+Json difference_json(const PatternReport& report) {
   const Summary s = summarize_field(report.counts, &MoveCount::difference);
   std::map<std::size_t, std::size_t> histogram;
   for (const MoveCount& count : report.counts) ++histogram[count.difference];
@@ -45,11 +45,11 @@ Json difference_json(const MarkingReport& report) {
           {"histogram", bins}};
 }
 
-Json marking_json(const MarkingReport& report, int levels) {
-  Json json{{"name", to_string(report.marking)},
+Json pattern_json(const PatternReport& report, int levels) {
+  Json json{{"name", to_string(report.pattern)},
             {"total", total_json(report)},
             {"difference", difference_json(report)}};
-  if (const auto thesis = thesis_counts(report.marking, levels)) {
+  if (const auto thesis = thesis_counts(report.pattern, levels)) {
     json["thesis"] = {{"total_max", thesis->total}, {"difference_max", thesis->difference}};
   }
   if (report.loads.empty()) return json;
@@ -66,24 +66,24 @@ Json marking_json(const MarkingReport& report, int levels) {
 
 std::string to_json(const StatsReport& report) {
   Json json{{"levels", report.levels}, {"walk", report.walk}};
-  json["moves"] = report.markings.empty() ? 0 : report.markings.front().counts.size();
+  json["moves"] = report.patterns.empty() ? 0 : report.patterns.front().counts.size();
   json["seed"] = report.seed;
   json["exhaustive"] = report.exhaustive;
   if (!report.pack.empty()) json["pack"] = report.pack;
-  json["markings"] = Json::array();
-  for (const MarkingReport& marking : report.markings)
-    json["markings"].push_back(marking_json(marking, report.levels));
+  json["patterns"] = Json::array();
+  for (const PatternReport& pattern : report.patterns)
+    json["patterns"].push_back(pattern_json(pattern, report.levels));
   return json.dump(1) + "\n";
 }
 
 std::string to_csv(const StatsReport& report) {
   std::ostringstream out;
-  out << "marking,move,total,difference" << (report.pack.empty() ? "" : ",latency_ms,bytes") << "\n";
-  for (const MarkingReport& marking : report.markings) {
-    for (std::size_t i = 0; i < marking.counts.size(); ++i) {
-      const MoveCount& count = marking.counts[i];
-      out << to_string(marking.marking) << "," << i + 1 << "," << count.total << "," << count.difference;
-      if (!marking.loads.empty()) out << "," << marking.loads[i].latency_ms << "," << marking.loads[i].bytes;
+  out << "pattern,move,total,difference" << (report.pack.empty() ? "" : ",latency_ms,bytes") << "\n";
+  for (const PatternReport& pattern : report.patterns) {
+    for (std::size_t i = 0; i < pattern.counts.size(); ++i) {
+      const MoveCount& count = pattern.counts[i];
+      out << to_string(pattern.pattern) << "," << i + 1 << "," << count.total << "," << count.difference;
+      if (!pattern.loads.empty()) out << "," << pattern.loads[i].latency_ms << "," << pattern.loads[i].bytes;
       out << "\n";
     }
   }
@@ -93,29 +93,29 @@ std::string to_csv(const StatsReport& report) {
 std::string to_table(const StatsReport& report) {
   std::ostringstream out;
   char line[160];
-  std::snprintf(line, sizeof line, "%-11s %5s %5s %7s   %5s %5s %7s   %s\n", "marking", "min", "max", "mean",
+  std::snprintf(line, sizeof line, "%-11s %5s %5s %7s   %5s %5s %7s   %s\n", "pattern", "min", "max", "mean",
                 "diff", "p95", "mean", "thesis: max total, max difference");
   out << line;
-  for (const MarkingReport& marking : report.markings) {
-    const Summary total = summarize_field(marking.counts, &MoveCount::total);
-    const Summary difference = summarize_field(marking.counts, &MoveCount::difference);
-    const auto thesis = thesis_counts(marking.marking, report.levels);
+  for (const PatternReport& pattern : report.patterns) {
+    const Summary total = summarize_field(pattern.counts, &MoveCount::total);
+    const Summary difference = summarize_field(pattern.counts, &MoveCount::difference);
+    const auto thesis = thesis_counts(pattern.pattern, report.levels);
     const std::string theirs =
         thesis ? std::to_string(thesis->total) + ", " + std::to_string(thesis->difference) : "-";
     std::snprintf(line, sizeof line, "%-11s %5.0f %5.0f %7.2f   %5.0f %5.0f %7.2f   %s\n",
-                  std::string(to_string(marking.marking)).c_str(), total.min, total.max, total.mean,
+                  std::string(to_string(pattern.pattern)).c_str(), total.min, total.max, total.mean,
                   difference.max, difference.p95, difference.mean, theirs.c_str());
     out << line;
   }
   if (report.pack.empty()) return out.str();
-  std::snprintf(line, sizeof line, "\n%-11s %9s %9s %9s %9s   %s\n", "marking", "p50 ms", "p95 ms", "p99 ms",
+  std::snprintf(line, sizeof line, "\n%-11s %9s %9s %9s %9s   %s\n", "pattern", "p50 ms", "p95 ms", "p99 ms",
                 "max ms", "KiB a move");
   out << line;
-  for (const MarkingReport& marking : report.markings) {
-    const Summary ms = summarize_field(marking.loads, &MoveLoad::latency_ms);
-    const Summary bytes = summarize_field(marking.loads, &MoveLoad::bytes);
+  for (const PatternReport& pattern : report.patterns) {
+    const Summary ms = summarize_field(pattern.loads, &MoveLoad::latency_ms);
+    const Summary bytes = summarize_field(pattern.loads, &MoveLoad::bytes);
     std::snprintf(line, sizeof line, "%-11s %9.2f %9.2f %9.2f %9.2f   %.0f\n",
-                  std::string(to_string(marking.marking)).c_str(), ms.p50, ms.p95, ms.p99, ms.max,
+                  std::string(to_string(pattern.pattern)).c_str(), ms.p50, ms.p95, ms.p99, ms.max,
                   bytes.mean / 1024);
     out << line;
   }

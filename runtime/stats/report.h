@@ -14,9 +14,9 @@ struct MoveLoad {
   std::uint64_t bytes = 0;  ///< of blocks, as stored
 };
 
-/// The counts of one marking, and the loads where there was a pack: then one a move.
-struct MarkingReport {
-  Marking marking = Marking::restricted;
+/// The counts of one pattern, and the loads where there was a pack: then one a move.
+struct PatternReport {
+  RefinementPattern pattern = RefinementPattern::restricted;
   std::vector<MoveCount> counts;
   std::vector<MoveLoad> loads;
 };
@@ -28,13 +28,13 @@ struct StatsReport {
   std::uint64_t seed = 0;
   bool exhaustive = false;
   std::string pack;  ///< empty: the endless world
-  std::vector<MarkingReport> markings;
+  std::vector<PatternReport> patterns;
 };
 
 /// docs/block-counts.md names the fields.
 std::string to_json(const StatsReport& report);
 
-/// A row a move: marking,move,total,difference, and latency_ms,bytes where there was a pack.
+/// A row a move: pattern,move,total,difference, and latency_ms,bytes where there was a pack.
 std::string to_csv(const StatsReport& report);
 
 /// The table for people, the thesis's numbers beside ours.

@@ -12,16 +12,16 @@ struct ThesisCounts {
   int difference = 0;
 };
 
-constexpr std::optional<ThesisCounts> thesis_counts(Marking marking, int levels) {
+constexpr std::optional<ThesisCounts> thesis_counts(RefinementPattern pattern, int levels) {
   if (levels != 4) return std::nullopt;
-  switch (marking) {
-    case Marking::normal:
+  switch (pattern) {
+    case RefinementPattern::normal:
       return ThesisCounts{13, 11};
-    case Marking::plus:
+    case RefinementPattern::plus:
       return ThesisCounts{35, 11};
-    case Marking::cross:
+    case RefinementPattern::cross:
       return ThesisCounts{44, 22};
-    case Marking::restricted:
+    case RefinementPattern::restricted:
       return ThesisCounts{52, 10};
     default:
       return std::nullopt;

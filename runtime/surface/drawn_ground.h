@@ -5,7 +5,7 @@
 
 #include "format/geo.h"
 #include "runtime/render_list.h"
-#include "runtime/surface/shown_tiles.h"
+#include "runtime/surface/lod_transition.h"
 
 namespace cairn::gl {
 

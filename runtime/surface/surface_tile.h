@@ -7,7 +7,7 @@
 
 #include "format/height_tile.h"
 #include "format/tile_id.h"
-#include "runtime/view/lattice.h"
+#include "runtime/view/sample_lattice.h"
 
 namespace cairn::gl {
 

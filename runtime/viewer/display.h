@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "format/status.h"
-#include "runtime/flight/options.h"
+#include "runtime/flight/camera_text.h"
 
 struct GLFWwindow;
 

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <thread>
 
+#include "runtime/flight/camera_text.h"
 #include "runtime/flight/flight.h"
 #include "runtime/gl/headless_context.h"
 #include "runtime/gl/thread_clock.h"

@@ -3,7 +3,7 @@
 #include <iosfwd>
 
 #include "format/status.h"
-#include "runtime/flight/options.h"
+#include "runtime/viewer/options.h"
 
 namespace cairn::viewer {
 

@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "runtime/flight/options.h"
 #include "runtime/viewer/headless.h"
+#include "runtime/viewer/options.h"
 #include "runtime/viewer/panel.h"
 #include "runtime/viewer/window.h"
 

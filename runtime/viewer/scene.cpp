@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "runtime/flight/camera_text.h"
 #include "runtime/surface/drawn_ground.h"
 
 namespace cairn::viewer {
@@ -35,7 +36,7 @@ Error unknown_method(const std::string& name) {
 
 }  // namespace
 
-Scene::Scene(std::shared_ptr<const PackReader> pack, std::unique_ptr<gl::HeightUploads> uploads,
+Scene::Scene(std::shared_ptr<const PackReader> pack, std::unique_ptr<gl::PreparedHeights> uploads,
              Terrain terrain, gl::Renderer renderer)
     : pack_(std::move(pack)),
       uploads_(std::move(uploads)),
@@ -47,7 +48,7 @@ Result<Scene> Scene::open(const Options& options) {
   if (!reader) return reader.error();
   auto pack = std::make_shared<const PackReader>(std::move(*reader));
   const PackHeader& header = pack->header();
-  auto uploads = std::make_unique<gl::HeightUploads>();
+  auto uploads = std::make_unique<gl::PreparedHeights>();
   Result<gl::Renderer> renderer =
       gl::Renderer::create(header.tile_size, header.quantum_m, pack->entry_count(), *uploads);
   if (!renderer) return renderer.error();

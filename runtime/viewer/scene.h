@@ -5,10 +5,11 @@
 
 #include "format/pack_reader.h"
 #include "format/status.h"
-#include "runtime/flight/options.h"
+#include "runtime/flight/camera_text.h"
 #include "runtime/gl/frame_target.h"
 #include "runtime/gl/renderer.h"
 #include "runtime/terrain.h"
+#include "runtime/viewer/options.h"
 
 namespace cairn::viewer {
 
@@ -43,11 +44,11 @@ class Scene {
   std::vector<Error> take_errors();
 
  private:
-  Scene(std::shared_ptr<const PackReader> pack, std::unique_ptr<gl::HeightUploads> uploads, Terrain terrain,
+  Scene(std::shared_ptr<const PackReader> pack, std::unique_ptr<gl::PreparedHeights> uploads, Terrain terrain,
         gl::Renderer renderer);
 
   std::shared_ptr<const PackReader> pack_;
-  std::unique_ptr<gl::HeightUploads> uploads_;  // outlives the terrain's workers and the renderer
+  std::unique_ptr<gl::PreparedHeights> uploads_;  // outlives the terrain's workers and the renderer
   Terrain terrain_;
   gl::Renderer renderer_;
   const RenderList* list_ = nullptr;

@@ -5,6 +5,7 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "runtime/flight/camera_text.h"
 #include "runtime/view/geodesy.h"
 #include "runtime/viewer/scene.h"
 

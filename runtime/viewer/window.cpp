@@ -8,6 +8,8 @@
 #include <string>
 
 #include <epoxy/gl.h>
+
+#include "runtime/flight/camera_text.h"
 // GLFW comes after epoxy, which declares OpenGL.
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "builder/raster/raster_source.h"
-#include "builder/resample/resample.h"
+#include "builder/resample/resample_lattice.h"
 #include "builder/voids/void_fill.h"
 
 namespace {
@@ -127,7 +127,7 @@ Field resampled(const AxisResampler& axis, const Field& kept, double ratio, doub
   seconds = std::numeric_limits<double>::infinity();
   for (int run = 0; run < 5; ++run) {
     const double start = thread_seconds();
-    resample_regular(axis, axis, kept.window, kept.heights, samples.window, samples.heights);
+    resample_lattice(axis, axis, kept.window, kept.heights, samples.window, samples.heights);
     seconds = std::min(seconds, thread_seconds() - start);
   }
   return samples;
@@ -205,7 +205,7 @@ void time_tile(double posts_per_degree, double samples_per_degree) {
     double best = std::numeric_limits<double>::infinity();
     for (int run = 0; run < 30; ++run) {
       const double start = thread_seconds();
-      resample_regular(axis, axis, posts, heights, samples, out);
+      resample_lattice(axis, axis, posts, heights, samples, out);
       best = std::min(best, thread_seconds() - start);
     }
     fmt::print(" {:.2f}", 1e3 * best);

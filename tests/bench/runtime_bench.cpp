@@ -10,7 +10,7 @@
 
 #include <time.h>
 
-#include "runtime/paging/pack_contents.h"
+#include "runtime/paging/tile_availability.h"
 #include "runtime/stats/block_count.h"
 #include "runtime/stats/pack_walk.h"
 #include "runtime/terrain.h"
@@ -48,7 +48,7 @@ std::vector<double> time_each(int count, Work work) {
   return samples;
 }
 
-void bench_scene_map(const PackContents& contents, const TileId& middle) {
+void bench_scene_map(const TileAvailability& contents, const TileId& middle) {
   const auto eye = [](const TileId& from, int i) { return neighbour_of(from, i % 97, i % 89); };
   const TileId endless = endless_world();
   std::size_t tiles = 0;
@@ -181,7 +181,7 @@ Status run(const char* path) {
   const auto middle = middle_tile(*pack);
   if (!middle) return bad_data(std::string(path) + ": expected tiles of heights, found none");
   std::printf("pack: %zu tiles, finest level %d\n", pack->entry_count(), middle->level);
-  bench_scene_map(PackContents(pack), *middle);
+  bench_scene_map(TileAvailability(pack), *middle);
   for (const int workers : {1, 2, 4}) {
     if (const Status status = bench_loading(pack, workers); !status) return status;
   }

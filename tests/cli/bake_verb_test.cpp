@@ -68,7 +68,7 @@ TEST_CASE("bake prints a report, and --report and --json give the promised keys"
     CHECK(r["accuracy"]["posts"] == 344 * 403);
     CHECK(r["accuracy"]["max_m"].get<double>() <= 0.5);
     CHECK(r["file_bytes"].get<std::uint64_t>() == fs::file_size(pack));
-    CHECK(r["sources"][0]["posts_won"] == 344 * 403);
+    CHECK(r["sources"][0]["posts_used"] == 344 * 403);
   }
   const Ran verified = run_cairn({"verify", pack, "--against", jacksboro(), "--json"});
   CHECK(verified.exit_code == 0);
@@ -108,7 +108,7 @@ TEST_CASE("a file whose name is no UTF-8 is baked, and named in valid JSON") {
   const Ran ran = run_cairn({"bake", source.string(), "-o", pack, "--json"});
   INFO(ran.err);
   REQUIRE(ran.exit_code == 0);
-  CHECK(json::parse(ran.out)["sources"][0]["posts_won"] == 344 * 403);
+  CHECK(json::parse(ran.out)["sources"][0]["posts_used"] == 344 * 403);
   CHECK(json::parse(run_cairn({"info", pack, "--json"}).out)["sources"].size() == 1);
   CHECK(run_cairn({"verify", pack}).exit_code == 0);
 }

@@ -159,7 +159,7 @@ TEST_CASE("verify finds each way in which the metadata can break its promises") 
   CHECK(findings_with([](json&) {}) == "");
   CHECK(findings_with([](json& m) { m = json::array(); }) == "expected a JSON object\n");
   for (const char* key :
-       {"cairn", "vertical_datum", "promise_m", "bounds", "accuracy", "levels", "sources", "options"}) {
+       {"cairn", "vertical_datum", "error_bound_m", "bounds", "accuracy", "levels", "sources", "options"}) {
     CHECK_THAT(findings_with([&](json& m) { m.erase(key); }),
                Catch::StartsWith("/" + std::string(key) + ": expected"));
   }

@@ -35,11 +35,11 @@ TEST_CASE("cairn stats --exhaustive reports the design's table") {
   const json report = json::parse(text_of(out));
   CHECK(report["levels"] == 4);
   CHECK(report["moves"] == 4 * 64 * 64);
-  for (const json& marking : report["markings"]) {
-    if (marking["name"] != "plus") continue;
-    CHECK(marking["total"]["values"] == json({19, 22, 25, 28, 29, 31, 32, 35, 39}));
-    CHECK(marking["difference"]["max"] == 14);
-    CHECK(marking["thesis"]["total_max"] == 35);
+  for (const json& pattern : report["patterns"]) {
+    if (pattern["name"] != "plus") continue;
+    CHECK(pattern["total"]["values"] == json({19, 22, 25, 28, 29, 31, 32, 35, 39}));
+    CHECK(pattern["difference"]["max"] == 14);
+    CHECK(pattern["thesis"]["total_max"] == 35);
   }
 }
 
@@ -48,9 +48,9 @@ TEST_CASE("cairn stats walks, writes a row a move, and draws") {
   const std::string csv = (dir.path() / "out.csv").string(), svg = (dir.path() / "map.svg").string();
   const std::string walk = (dir.path() / "walk").string();
   std::ofstream(walk) << "1,0\n0,1\n-1,-1\n";
-  REQUIRE(run_cairn({"stats", "--walk", walk, "--marking", "cross", "--csv", csv}).exit_code == 0);
+  REQUIRE(run_cairn({"stats", "--walk", walk, "--pattern", "cross", "--csv", csv}).exit_code == 0);
   CHECK(lines_of(text_of(csv)) == 1 + 3);
-  REQUIRE(run_cairn({"stats", "--marking", "restricted", "--draw", "5,6", svg}).exit_code == 0);
+  REQUIRE(run_cairn({"stats", "--pattern", "restricted", "--draw", "5,6", svg}).exit_code == 0);
   CHECK(text_of(svg).find("52 tiles") != std::string::npos);
 }
 
@@ -64,7 +64,7 @@ TEST_CASE("cairn stats --pack loads what the moves need, and --loading times blo
       run_cairn({"stats", "--pack", pack.string(), "--levels", "3", "--moves", "5", "--csv", csv});
   INFO(ran.err);
   REQUIRE(ran.exit_code == 0);
-  CHECK(text_of(csv).find("marking,move,total,difference,latency_ms,bytes\n") == 0);
+  CHECK(text_of(csv).find("pattern,move,total,difference,latency_ms,bytes\n") == 0);
   REQUIRE(run_cairn({"stats", "--pack", pack.string(), "--loading", "3", "--csv", csv}).exit_code == 0);
   CHECK(lines_of(text_of(csv)) == 1 + 3);
 }
@@ -73,14 +73,14 @@ TEST_CASE("cairn stats says in one line what is wrong with its options") {
   const test::TempDir dir;
   const std::string missing = (dir.path() / "none").string();
   const std::vector<std::pair<std::vector<std::string>, int>> cases{
-      {{"--marking", "diamond"}, 2},
+      {{"--pattern", "diamond"}, 2},
       {{"--levels", "1"}, 2},
       {{"--levels", "ten"}, 2},
       {{"--no-such-option"}, 2},
       {{"--exhaustive", "--walk", missing}, 2},
       {{"--walk", missing}, 1},
       {{"--draw", "1,1", missing}, 2},
-      {{"--marking", "cross", "--draw", "one", missing}, 2},
+      {{"--pattern", "cross", "--draw", "one", missing}, 2},
       {{"--loading", "5"}, 2},
       {{"--exhaustive", "--pack", missing}, 2},
       {{"--pack", missing}, 1},

@@ -83,14 +83,14 @@ std::string test_metadata(const PackHeader& header, const std::vector<IndexEntry
   out.precision(17);
   out << R"({"cairn":"test","grid":{"tile_size":)" << header.tile_size << R"(,"quantum_m":)"
       << header.quantum_m << R"(},"vertical_datum":")" << to_string(header.vertical_datum)
-      << R"(","bounds":{"west":-178,"south":-89,"east":-177,"north":-88},"promise_m":0.5,)"
+      << R"(","bounds":{"west":-178,"south":-89,"east":-177,"north":-88},"error_bound_m":0.5,)"
       << R"("accuracy":{"posts":9,"max_m":0.5,"rms_m":0.25,"p50_m":0.125,"p95_m":0.25,"p99_m":0.375,)"
       << R"("worst":{"lon":-177.5,"lat":-88.5}},"levels":[)";
   for (auto it = errors.begin(); it != errors.end(); ++it) {
     out << (it == errors.begin() ? "" : ",") << R"({"level":)" << it->first << R"(,"max_error_m":)"
         << it->second << "}";
   }
-  out << R"(],"sources":[{"name":"made.hgt","format":"hgt","posts_won":9}],"options":{}})";
+  out << R"(],"sources":[{"name":"made.hgt","format":"hgt","posts_used":9}],"options":{}})";
   return out.str();
 }
 

@@ -1,5 +1,5 @@
-// Whole bakes, through build(): the promise on real DEMs, the same bytes whatever the machine does, going on
-// after an interruption.
+// Whole bakes, through build(): the error bound on real DEMs, the same bytes whatever the machine does, going
+// on after an interruption.
 
 #include <cmath>
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 #include "builder/bake/journal.h"
 #include "builder/build.h"
-#include "builder/heights/verify_sources.h"
+#include "builder/heights/measure_pack.h"
 #include "builder/raster/raster_source.h"
 #include "format/pack_reader.h"
 #include "format/pack_sampler.h"
@@ -31,8 +31,8 @@ PackReader open_pack(const fs::path& path) {
   return std::move(*pack);
 }
 
-double promise_of(const PackReader& pack) {
-  return nlohmann::json::parse(pack.metadata_json()).at("promise_m").get<double>();
+double error_bound_of(const PackReader& pack) {
+  return nlohmann::json::parse(pack.metadata_json()).at("error_bound_m").get<double>();
 }
 
 // Reads posts of the file itself, every `step`-th, and asks the pack for the height there: nothing of the
@@ -74,51 +74,51 @@ void bake_and_check(const std::vector<std::string>& names, std::int64_t step = 5
   CHECK(verified->ok());
 
   const PackReader pack = open_pack(options.target);
-  const double promise = promise_of(pack);
-  const auto measured = measure_against(pack, options);
+  const double error_bound_m = error_bound_of(pack);
+  const auto measured = measure_pack(pack, options);
   REQUIRE(measured.ok());
-  CHECK(measured->max() <= promise);
+  CHECK(measured->max() <= error_bound_m);
   CHECK(measured->count() > 0);
   for (const fs::path& file : files) {
     INFO(file);
-    CHECK(worst_at_posts(file, pack, step) <= promise);
+    CHECK(worst_at_posts(file, pack, step) <= error_bound_m);
   }
 }
 
 }  // namespace
 
-TEST_CASE("every post of a 3-second cell in the mountains is within the promise") {
+TEST_CASE("every post of a 3-second cell in the mountains is within the error bound") {
   bake_and_check({"srtm3/N44W072.hgt"});
 }
-TEST_CASE("every post on the equator is within the promise") {
+TEST_CASE("every post on the equator is within the error bound") {
   bake_and_check({"srtm3/N00E010.hgt"});
 }
-TEST_CASE("every post of the ocean near the antimeridian is within the promise") {
+TEST_CASE("every post of the ocean near the antimeridian is within the error bound") {
   bake_and_check({"srtm3/N00W177.hgt"});
 }
-TEST_CASE("every post of a coast with land below the sea is within the promise") {
+TEST_CASE("every post of a coast with land below the sea is within the error bound") {
   bake_and_check({"srtm3/N57E011.hgt"});
 }
-TEST_CASE("every post of four cells in a row is within the promise") {
+TEST_CASE("every post of four cells in a row is within the error bound") {
   bake_and_check(
       {"srtm3/N51W001.hgt.zip", "srtm3/N51E000.hgt.zip", "srtm3/N51E001.hgt.zip", "srtm3/N51E002.hgt.zip"},
       9);
 }
-TEST_CASE("every valid post of cells with voids in the mountains is within the promise") {
+TEST_CASE("every valid post of cells with voids in the mountains is within the error bound") {
   bake_and_check({"srtm3/N41E001.hgt.zip", "srtm3/N42E001.hgt.zip"}, 9);
 }
-TEST_CASE("every valid post of a 1-second cell, half of it void, is within the promise") {
+TEST_CASE("every valid post of a 1-second cell, half of it void, is within the error bound") {
   bake_and_check({"srtm1/N48W125.hgt.zip"}, 17);
 }
-TEST_CASE("every post inside 1-second cells that disagree on their edges is within the promise") {
+TEST_CASE("every post inside 1-second cells that disagree on their edges is within the error bound") {
   bake_and_check({"srtm1/S02E034.hgt.zip", "srtm1/S02E035.hgt.zip"}, 17);
 }
-TEST_CASE("every post of DTED cells in a plus shape is within the promise") {
+TEST_CASE("every post of DTED cells in a plus shape is within the error bound") {
   bake_and_check({"dted1/n18_w156_3arc_v2.dt1", "dted1/n19_w155_3arc_v2.dt1", "dted1/n19_w156_3arc_v2.dt1",
                   "dted1/n19_w157_3arc_v2.dt1", "dted1/n20_w156_3arc_v2.dt1"},
                  11);
 }
-TEST_CASE("every valid post of GeoTIFF cells is within the promise") {
+TEST_CASE("every valid post of GeoTIFF cells is within the error bound") {
   bake_and_check({"geotiff/N46E008.tif"});
   bake_and_check({"geotiff/N49W124.tif", "geotiff/N49W123.tif"}, 9);
   bake_and_check({"geotiff/mt_rainier_90m.tif"}, 9);
@@ -126,13 +126,13 @@ TEST_CASE("every valid post of GeoTIFF cells is within the promise") {
 TEST_CASE("every post of a float raster of odd size is within 5 cm") {
   bake_and_check({"geotiff/swellendam_srtm_41_19_4326.tif"});
 }
-TEST_CASE("every post of a UTM raster is within the promise") {
+TEST_CASE("every post of a UTM raster is within the error bound") {
   bake_and_check({"utm/bigtujunga_30m_utm11n.tif"}, 7);
 }
 TEST_CASE("every post of a small UTM raster in floats is within 5 cm") {
   bake_and_check({"utm/st_helens_nad83_5.tif"});
 }
-TEST_CASE("every post of the whole Earth is within the promise, poles and antimeridian included") {
+TEST_CASE("every post of the whole Earth is within the error bound, poles and antimeridian included") {
   bake_and_check({"global/etopo5_4320x2161.tif"}, 7);
 }
 
@@ -301,7 +301,7 @@ TEST_CASE("a geoid moves every post by its undulation") {
   CHECK(std::abs(undulation) > 10);
 }
 
-TEST_CASE("a broken promise fails the bake and names the place; --allow-error makes it a warning") {
+TEST_CASE("an exceeded error bound fails the bake and names the place; --allow-error makes it a warning") {
   const test::TempDir dir;
   BuildOptions options =
       test::bake_options({test::sample_dem() / "jacksboro_fault.tif"}, dir.path() / "a.cairn");
@@ -314,7 +314,7 @@ TEST_CASE("a broken promise fails the bake and names the place; --allow-error ma
   options.allow_error = true;
   const auto warned = build(options, [](const Progress&) {});
   REQUIRE(warned.ok());
-  CHECK_FALSE(warned->promise_kept);
+  CHECK_FALSE(warned->within_error_bound);
 }
 
 }  // namespace cairn

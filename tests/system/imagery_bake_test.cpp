@@ -12,7 +12,7 @@
 #include "builder/bake/journal.h"
 #include "builder/build.h"
 #include "builder/export/texture_file.h"
-#include "builder/imagery/texture_tile_bake.h"
+#include "builder/imagery/texture_tile_encode.h"
 #include "builder/raster/raster_source.h"
 #include "format/pack_verify.h"
 #include "tests/support/gdal_oracle.h"

@@ -140,7 +140,7 @@ void check_tolerances(const std::shared_ptr<const PackReader>& pack, int cameras
     const ViewState view = random_view(terrain, random, highest_m);
     const double tolerance_px = std::exp2(static_cast<double>(random() % 4) - 1);
     terrain.forget_eye();
-    const auto scene = terrain.scene_for(view, {Marking::restricted, tolerance_px / 2});
+    const auto scene = terrain.scene_for(view, {RefinementPattern::restricted, tolerance_px / 2});
     REQUIRE(scene.ok());
     std::vector<Sample> seen;
     for (int tries = 0; tries < 3000 && seen.size() < 60; ++tries) {

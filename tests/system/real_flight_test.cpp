@@ -12,7 +12,7 @@
 #include <catch2/catch.hpp>
 
 #include "builder/build.h"
-#include "runtime/paging/pack_contents.h"
+#include "runtime/paging/tile_availability.h"
 #include "runtime/terrain.h"
 #include "tests/support/flight_pack.h"
 #include "tests/support/test_data.h"

@@ -8,28 +8,28 @@
 namespace cairn {
 
 /// One texel in linear light: R, G, B times alpha, and alpha, 0…65535.
-using WideTexel = float __attribute__((vector_size(16)));
+using FloatTexel = float __attribute__((vector_size(16)));
 
 /// A rectangle of pixels in linear light.
-struct WidePixels {
-  const WideTexel* pixels = nullptr;  ///< the one at (column, row), rows from the north
+struct FloatPixels {
+  const FloatTexel* pixels = nullptr;  ///< the one at (column, row), rows from the north
   std::int64_t column = 0;
   std::int64_t row = 0;
   std::int64_t columns = 0;
 };
 
-/// TexelRows (builder/imagery/texel_rows.h), in plain pointers. Where `out` is whole numbers, and what halve
-/// reads, are LinearTexels: four numbers each. `places` are x, y of each texel.
+/// TexelLoops (builder/imagery/texel_loops.h), in plain pointers. Where `out` is whole numbers, and what
+/// halve reads, are LinearTexels: four numbers each. `places` are x, y of each texel.
 struct TexelKernels {
-  void (*filter)(const WideTexel* pixels, std::int64_t column, const std::int64_t* first,
-                 const float* weights, int count, std::size_t width, WideTexel* out);
-  void (*combine)(const WideTexel* const* rows, const float* weights, std::size_t count, std::size_t width,
+  void (*filter)(const FloatTexel* pixels, std::int64_t column, const std::int64_t* first,
+                 const float* weights, int count, std::size_t width, FloatTexel* out);
+  void (*combine)(const FloatTexel* const* rows, const float* weights, std::size_t count, std::size_t width,
                   std::uint16_t* out);
-  void (*interpolate)(const WidePixels& image, const double* places, std::size_t width, std::uint16_t* out);
+  void (*interpolate)(const FloatPixels& image, const double* places, std::size_t width, std::uint16_t* out);
   bool (*all_within)(const double* places, std::size_t count, const double* low, const double* high);
   void (*halve)(const std::uint16_t* north, const std::uint16_t* south, std::size_t width,
                 std::uint16_t* out);
-  void (*quantise)(const WideTexel& sum, std::uint16_t* out);
+  void (*quantise)(const FloatTexel& sum, std::uint16_t* out);
 };
 
 namespace portable {

@@ -29,7 +29,7 @@ struct Quad {
   Part part[kParts];
 };
 
-CAIRN_INLINE Quad load(const WideTexel* from) {
+CAIRN_INLINE Quad load(const FloatTexel* from) {
   Quad quad;
   std::memcpy(&quad, from, sizeof quad);
   return quad;
@@ -40,8 +40,8 @@ CAIRN_INLINE void store(const Quad& quad, float* to) {
 }
 
 /// The same four numbers in each texel.
-CAIRN_INLINE Quad repeated(WideTexel numbers) {
-  const WideTexel four[4] = {numbers, numbers, numbers, numbers};
+CAIRN_INLINE Quad repeated(FloatTexel numbers) {
+  const FloatTexel four[4] = {numbers, numbers, numbers, numbers};
   return load(four);
 }
 
@@ -59,7 +59,7 @@ CAIRN_INLINE Quad operator+(Quad a, const Quad& b) {
 }
 
 /// Weight i in all numbers of texel i.
-CAIRN_INLINE Quad spread(WideTexel weights) {
+CAIRN_INLINE Quad spread(FloatTexel weights) {
   Quad quad;
 #if defined(__AVX512F__)
   const __m512i each = _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0);
@@ -78,7 +78,7 @@ CAIRN_INLINE Quad spread(WideTexel weights) {
 }
 
 /// (0 + 2) + (1 + 3).
-CAIRN_INLINE WideTexel sum_of(const Quad& quad) {
+CAIRN_INLINE FloatTexel sum_of(const Quad& quad) {
 #if defined(__AVX512F__)
   const __m256 pair = _mm512_castps512_ps256(quad.part[0]) + _mm512_extractf32x8_ps(quad.part[0], 1);
   return _mm256_castps256_ps128(pair) + _mm256_extractf128_ps(pair, 1);
@@ -151,7 +151,7 @@ CAIRN_INLINE void quantise(const Quad& sums, std::uint16_t* out) {
 }
 
 /// The same for the first `count` <= 4 of four texels.
-CAIRN_INLINE void quantise(const WideTexel sums[4], std::size_t count, std::uint16_t* out) {
+CAIRN_INLINE void quantise(const FloatTexel sums[4], std::size_t count, std::uint16_t* out) {
   std::uint16_t whole[16];
   quantise(load(sums), whole);
   std::memcpy(out, whole, count * 8);

@@ -3,21 +3,21 @@
 namespace cairn::CAIRN_ISA {
 namespace {
 
-CAIRN_INLINE WideTexel filter_one(const WideTexel* pixels, const float* weights, int count) {
-  WideTexel sum{};
+CAIRN_INLINE FloatTexel filter_one(const FloatTexel* pixels, const float* weights, int count) {
+  FloatTexel sum{};
   for (int i = 0; i < count; ++i) sum += pixels[i] * weights[i];
   return sum;
 }
 
-void filter(const WideTexel* pixels, std::int64_t column, const std::int64_t* first, const float* weights,
-            int count, std::size_t width, WideTexel* out) {
+void filter(const FloatTexel* pixels, std::int64_t column, const std::int64_t* first, const float* weights,
+            int count, std::size_t width, FloatTexel* out) {
   if (count != 4) {
     for (std::size_t t = 0; t < width; ++t, weights += count)
       out[t] = filter_one(pixels + (first[t] - column), weights, count);
     return;
   }
   for (std::size_t t = 0; t < width; ++t, weights += 4) {
-    WideTexel four;
+    FloatTexel four;
     std::memcpy(&four, weights, sizeof four);
     out[t] = sum_of(load(pixels + (first[t] - column)) * spread(four));
   }
@@ -25,7 +25,7 @@ void filter(const WideTexel* pixels, std::int64_t column, const std::int64_t* fi
 
 // kQuads·4 texels from texel t on.
 template <int kQuads>
-CAIRN_INLINE void combine_quads(const WideTexel* const* rows, const float* weights, std::size_t count,
+CAIRN_INLINE void combine_quads(const FloatTexel* const* rows, const float* weights, std::size_t count,
                                 std::size_t t, std::uint16_t* out) {
   Quad sums[kQuads] = {};
   for (std::size_t i = 0; i < count; ++i) {
@@ -34,14 +34,14 @@ CAIRN_INLINE void combine_quads(const WideTexel* const* rows, const float* weigh
   for (int k = 0; k < kQuads; ++k) quantise(sums[k], out + 4 * t + 16 * k);
 }
 
-void combine(const WideTexel* const* rows, const float* weights, std::size_t count, std::size_t width,
+void combine(const FloatTexel* const* rows, const float* weights, std::size_t count, std::size_t width,
              std::uint16_t* out) {
   constexpr int kQuads = kParts == 1 ? 8 : 2;
   std::size_t t = 0;
   for (; t + 4 * kQuads <= width; t += 4 * kQuads) combine_quads<kQuads>(rows, weights, count, t, out);
   for (; t + 4 <= width; t += 4) combine_quads<1>(rows, weights, count, t, out);
   if (t == width) return;
-  WideTexel rest[4] = {};
+  FloatTexel rest[4] = {};
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t k = 0; k < width - t; ++k) rest[k] += rows[i][t + k] * weights[i];
   }
@@ -66,10 +66,10 @@ CAIRN_INLINE void find_places(const double* places, std::size_t count, CubicPlac
     found.cell[i] = whole - 3;  // the first of four pixels
     fraction[i] = static_cast<float>(beyond - whole);
   }
-  const Quad a = repeated(WideTexel{-0.5F, 1.5F, -1.5F, 0.5F}), b = repeated(WideTexel{1, -2.5F, 2, -0.5F});
-  const Quad c = repeated(WideTexel{-0.5F, 0, 0.5F, 0}), d = repeated(WideTexel{0, 1, 0, 0});
+  const Quad a = repeated(FloatTexel{-0.5F, 1.5F, -1.5F, 0.5F}), b = repeated(FloatTexel{1, -2.5F, 2, -0.5F});
+  const Quad c = repeated(FloatTexel{-0.5F, 0, 0.5F, 0}), d = repeated(FloatTexel{0, 1, 0, 0});
   for (std::size_t i = 0; i < 2 * count; i += 4) {
-    WideTexel two;  // texels' x and y
+    FloatTexel two;  // texels' x and y
     std::memcpy(&two, fraction + i, sizeof two);
     const Quad t = spread(two);
     store(((a * t + b) * t + c) * t + d, found.weight + 4 * i);
@@ -77,19 +77,19 @@ CAIRN_INLINE void find_places(const double* places, std::size_t count, CubicPlac
 }
 
 // Texel t of those places, not summed across: down the four columns first.
-CAIRN_INLINE Quad interpolate_one(const WidePixels& image, const CubicPlaces& places, std::size_t t) {
+CAIRN_INLINE Quad interpolate_one(const FloatPixels& image, const CubicPlaces& places, std::size_t t) {
   const float* weight = places.weight + 8 * t;
-  const WideTexel* corner = image.pixels + (places.cell[2 * t + 1] - image.row) * image.columns +
-                            (places.cell[2 * t] - image.column);
+  const FloatTexel* corner = image.pixels + (places.cell[2 * t + 1] - image.row) * image.columns +
+                             (places.cell[2 * t] - image.column);
   Quad sum = load(corner) * weight[4];
   for (int r = 1; r < 4; ++r) sum = sum + load(corner + r * image.columns) * weight[4 + r];
-  WideTexel across;
+  FloatTexel across;
   std::memcpy(&across, weight, sizeof across);
   return sum * spread(across);
 }
 
 // REQUIRES: count <= kMost.
-CAIRN_INLINE void interpolate_some(const WidePixels& image, const double* places, std::size_t count,
+CAIRN_INLINE void interpolate_some(const FloatPixels& image, const double* places, std::size_t count,
                                    std::uint16_t* out) {
   CubicPlaces found;
   find_places(places, count, found);
@@ -99,12 +99,12 @@ CAIRN_INLINE void interpolate_some(const WidePixels& image, const double* places
                      interpolate_one(image, found, t + 2), interpolate_one(image, found, t + 3)),
              out + 4 * t);
   if (t == count) return;
-  WideTexel rest[4] = {};
+  FloatTexel rest[4] = {};
   for (std::size_t k = 0; k < count - t; ++k) rest[k] = sum_of(interpolate_one(image, found, t + k));
   quantise(rest, count - t, out + 4 * t);
 }
 
-void interpolate(const WidePixels& image, const double* places, std::size_t width, std::uint16_t* out) {
+void interpolate(const FloatPixels& image, const double* places, std::size_t width, std::uint16_t* out) {
   for (std::size_t t = 0; t < width; t += CubicPlaces::kMost) {
     const std::size_t count = width - t < CubicPlaces::kMost ? width - t : CubicPlaces::kMost;
     interpolate_some(image, places + 2 * t, count, out + 4 * t);
@@ -200,8 +200,8 @@ void halve(const std::uint16_t* north, const std::uint16_t* south, std::size_t w
   for (; t < width; ++t) halve_one(north + 8 * t, south + 8 * t, out + 4 * t);
 }
 
-void quantise_one(const WideTexel& sum, std::uint16_t* out) {
-  const WideTexel four[4] = {sum};
+void quantise_one(const FloatTexel& sum, std::uint16_t* out) {
+  const FloatTexel four[4] = {sum};
   quantise(four, 1, out);
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "builder/raster/raster_source.h"
-#include "builder/raster/source_module.h"
+#include "builder/raster/reader_plugin.h"
 
 namespace cairn {
 namespace {
@@ -20,7 +20,7 @@ bool claims(const fs::path&, std::span<const std::byte> first_bytes) {
 
 Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptions&) {
   static const auto open_through_gdal =
-      reinterpret_cast<OpenThroughGdal>(load_source_module("cairn-gdal", "cairn_open_through_gdal"));
+      reinterpret_cast<OpenThroughGdal>(load_reader_plugin("cairn-gdal", "cairn_open_through_gdal"));
   if (open_through_gdal == nullptr)
     return bad_data(
         path.string() +

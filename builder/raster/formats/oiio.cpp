@@ -10,7 +10,7 @@
 
 #include "builder/raster/image_module.h"
 #include "builder/raster/raster_source.h"
-#include "builder/raster/source_module.h"
+#include "builder/raster/reader_plugin.h"
 #include "builder/raster/world_file.h"
 
 namespace cairn {
@@ -47,7 +47,7 @@ bool claims(const fs::path& path, std::span<const std::byte> first_bytes) {
 ImageModule load_module() {
   ImageModule module;
   const auto fill =
-      reinterpret_cast<void (*)(ImageModule&)>(load_source_module("cairn-oiio", "cairn_image_module"));
+      reinterpret_cast<void (*)(ImageModule&)>(load_reader_plugin("cairn-oiio", "cairn_image_module"));
   if (fill != nullptr) fill(module);
   return module;
 }

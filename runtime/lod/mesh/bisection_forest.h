@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime/lod/lod_method.h"
+#include "runtime/lod/mesh/lod_scene.h"
 #include "runtime/lod/mesh/tile_window.h"
 
 namespace cairn {
@@ -19,8 +19,8 @@ namespace cairn {
 /// centre and the middles of its four edges. A middle needs the centres of the squares on both sides of its
 /// edge; a centre needs those two middles of the next larger square that are corners of its own.
 ///
-/// Where a neighbour has no sample at a vertex, its mesh gets none: conform() splits a triangle of one cell
-/// there. A tile's corners are vertices of all that touch it, as far as they have samples there.
+/// Where a neighbour has no sample at a vertex, its mesh gets none: remove_t_junctions() splits a triangle of
+/// one cell there. A tile's corners are vertices of all that touch it, as far as they have samples there.
 class BisectionForest {
  public:
   enum Side : unsigned { south, east, north, west };
@@ -52,7 +52,7 @@ class BisectionForest {
     mark(tile, k, x, y, static_cast<Mask>(bit_of(side) << kWanted));
   }
   /// Says that what the square wants needs no confirming. REQUIRES: as for the above.
-  void trust(std::size_t tile, int k, int x, int y) { mark(tile, k, x, y, kTrusted); }
+  void trust(std::size_t tile, int k, int x, int y) { mark(tile, k, x, y, kSkipTestBelow); }
   /// Ends a mesh: adds the corners that tiles have on their neighbours' borders, as far as these have samples
   /// there, then what is wanted of the mesh's triangles until none wants to be bisected. `select(tile, k, x,
   /// y)` is asked once for each square that the mesh comes to have triangles in, the larger ones first: it
@@ -78,10 +78,10 @@ class BisectionForest {
   using Mask = std::uint16_t;
   static constexpr Mask kCentre = 1;
   static constexpr Mask bit_of(unsigned side) { return static_cast<Mask>(2u << side); }
-  static constexpr Mask kTrusted = 1 << 5;      ///< what it wants needs no confirming
-  static constexpr Mask kSelected = 1 << 6;     ///< the square's vertices are wanted, or not
-  static constexpr Mask kAllSelected = 1 << 7;  ///< those within it, too
-  static constexpr Mask kVertices = 0x1f;       ///< all five
+  static constexpr Mask kSkipTestBelow = 1 << 5;  ///< what it wants needs no confirming
+  static constexpr Mask kSelected = 1 << 6;       ///< the square's vertices are wanted, or not
+  static constexpr Mask kAllSelected = 1 << 7;    ///< those within it, too
+  static constexpr Mask kVertices = 0x1f;         ///< all five
   static constexpr int kWanted = 8;
   static constexpr int kUntouched = 16;
 
@@ -200,7 +200,8 @@ void BisectionForest::bisect_at_edges(const Open& centre, const Select& select, 
   for (unsigned side = 0; side < 4; ++side) {
     const Mask mask = trees_[tile].masks[at];
     if ((mask >> kWanted & ~mask & bit_of(side)) == 0) continue;
-    if ((mask & kTrusted) != 0 || confirms(tile, Triangle{corners[side], corners[(side + 1) % 4], middle}))
+    if ((mask & kSkipTestBelow) != 0 ||
+        confirms(tile, Triangle{corners[side], corners[(side + 1) % 4], middle}))
       enable_middle(tile, k, x, y, static_cast<Side>(side));
   }
 }
@@ -219,7 +220,7 @@ void BisectionForest::bisect_beside(const Open& middle, const Select& select, co
     const Mask mask = trees_[tile].masks[slot(trees_[tile], k - 1, cx, cy)];
     if ((mask >> kWanted & ~mask & kCentre) == 0) continue;
     const Triangle half = q == side ? Triangle{centre, corners[q], at} : Triangle{corners[q], centre, at};
-    if ((mask & kTrusted) != 0 || confirms(tile, half)) enable_centre(tile, k - 1, cx, cy);
+    if ((mask & kSkipTestBelow) != 0 || confirms(tile, half)) enable_centre(tile, k - 1, cx, cy);
   }
 }
 

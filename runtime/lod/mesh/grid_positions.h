@@ -7,7 +7,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "runtime/view/lattice.h"
+#include "runtime/view/sample_lattice.h"
 
 namespace cairn {
 

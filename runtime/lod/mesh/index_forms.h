@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "runtime/lod/lod_method.h"
+#include "runtime/lod/mesh/lod_scene.h"
 
 namespace cairn {
 

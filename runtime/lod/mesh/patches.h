@@ -6,9 +6,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "runtime/lod/lod_method.h"
-#include "runtime/lod/mesh/conform.h"
 #include "runtime/lod/mesh/cpu_clock.h"
+#include "runtime/lod/mesh/lod_scene.h"
+#include "runtime/lod/mesh/remove_t_junctions.h"
 
 namespace cairn {
 
@@ -59,7 +59,7 @@ struct ChosenPatch {
 /// Appends the patches' grids, grouped by tile. Where two of one size and spacing meet, within a tile or
 /// across tiles, the vertices of the finer that the coarser has not are moved onto the next that it has, so
 /// that its edge triangles collapse: [0, Fig. 4]; leaving those vertices out, as [1, Fig. 3] does, gives the
-/// same triangles. Patches of other sizes are left to conform(). REQUIRES: ascending tiles.
+/// same triangles. Patches of other sizes are left to remove_t_junctions(). REQUIRES: ascending tiles.
 void append_patches(const LodScene& scene, std::span<const ChosenPatch> chosen, LodMesh& mesh);
 
 /// The mesh of what choose() returns, a vector of ChosenPatch: appended, joined and timed.
@@ -70,7 +70,7 @@ LodMesh mesh_of_patches(const LodScene& scene, const Choose& choose) {
   const double selected = thread_cpu_s();
   LodMesh mesh;
   append_patches(scene, chosen, mesh);
-  conform(scene, mesh);
+  remove_t_junctions(scene, mesh);
   mesh.selection_s = selected - start;
   mesh.building_s = thread_cpu_s() - selected;
   return mesh;

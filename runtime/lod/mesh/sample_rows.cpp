@@ -7,7 +7,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "format/wide.h"
+#include "format/simd_clones.h"
 
 namespace cairn {
 SampleCamera::SampleCamera(const CameraFrame& frame)
@@ -42,9 +42,10 @@ std::span<const SampleRow> rows_of(std::span<const std::array<int, 2>> corners, 
 
 // Inner loops without a branch or a division, so that they become vectors: with P the sample and D its place,
 // |D⊥/Dz − P⊥/Pz| > τ is |D⊥Pz − P⊥Dz|² > (τDzPz)².
-CAIRN_WIDE bool any_is_off(std::span<const SampleRow> rows, const HeightTile& heights, double quantum_m,
-                           const GridPositions& positions, const SampleCamera& camera,
-                           const DrawnPlane& plane, const PictureLimits& limits) {
+CAIRN_SIMD_CLONES bool any_is_off(std::span<const SampleRow> rows, const HeightTile& heights,
+                                  double quantum_m, const GridPositions& positions,
+                                  const SampleCamera& camera, const DrawnPlane& plane,
+                                  const PictureLimits& limits) {
   for (const SampleRow& row : rows) {
     __builtin_prefetch(
         &heights.samples[static_cast<std::size_t>(row.row) * static_cast<std::size_t>(heights.size) +

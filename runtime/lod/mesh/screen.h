@@ -2,9 +2,9 @@
 
 #include <glm/vec3.hpp>
 
-#include "runtime/view/lattice.h"
+#include "runtime/view/sample_lattice.h"
+#include "runtime/view/view_frustum.h"
 #include "runtime/view/view_state.h"
-#include "runtime/view/visible_set.h"
 
 namespace cairn {
 

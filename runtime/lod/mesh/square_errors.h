@@ -8,8 +8,8 @@
 
 #include <glm/vec3.hpp>
 
-#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/grid_positions.h"
+#include "runtime/lod/mesh/lod_scene.h"
 
 namespace cairn {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "runtime/lod/lod_method.h"
+#include "runtime/lod/mesh/lod_scene.h"
 
 namespace cairn {
 

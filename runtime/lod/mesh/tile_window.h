@@ -3,7 +3,7 @@
 #include <cassert>
 #include <cstddef>
 
-#include "runtime/lod/lod_method.h"
+#include "runtime/lod/mesh/lod_scene.h"
 
 namespace cairn {
 

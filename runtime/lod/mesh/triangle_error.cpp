@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "runtime/lod/mesh/parts_off.h"
+#include "runtime/lod/mesh/subtriangles_over_tolerance.h"
 
 namespace cairn {
 namespace {
@@ -27,10 +27,10 @@ constexpr double kRounding = 1e-6;
 constexpr int kRowsSpan = 8;
 
 /// Where more parts of a triangle may be off, one of them mostly is. Looked into are as many, or none.
-constexpr int kLookParts = 2;
+constexpr int kMaxExactSubtriangles = 2;
 
 /// Times the tolerance, beyond which a triangle's bound is believed: of those, hardly any look ends well.
-constexpr double kHopeless = 3;
+constexpr double kAssumeExceedsAbove = 3;
 
 /// Radians. Over triangles with longer legs the bound of the Earth's curvature is too coarse to be believed,
 /// and parts of quarters are looked at where the triangle's own may be off.
@@ -110,7 +110,7 @@ class TriangleError::Look {
     double error_m;
     double chord_m;
     int span;  ///< cells along its legs, or along its base where that runs along the grid
-    const PartRanges::Ranges* ranges;
+    const SubtriangleErrorRanges::Ranges* ranges;
   };
   /// The base, then the right angle.
   struct Whole {
@@ -162,8 +162,8 @@ class TriangleError::Look {
     const int k = std::countr_zero(static_cast<unsigned>(span));
     const bool across = columns == rows;
     const double chord_m = across ? errors.chord_m(k) : errors.chord_m(k) / 2;
-    if (span >= PartRanges::kLeastSpan) {
-      const PartRanges::Ranges& ranges = surface_.ranges.of(triangle);
+    if (span >= SubtriangleErrorRanges::kLeastSpan) {
+      const SubtriangleErrorRanges::Ranges& ranges = surface_.ranges.of(triangle);
       return {ranges.most_m(), chord_m, span, &ranges};
     }
     if (across)
@@ -212,13 +212,14 @@ class TriangleError::Look {
   bool any_part_is_off(const Whole& whole) const {
     const Flat flat = flat_of(whole);
     const bool runs_behind = is_hidden(whole);
-    const std::uint32_t off = parts_off(whole, flat, *whole.own.ranges, runs_behind);
+    const std::uint32_t off = subtriangles_over_tolerance(whole, flat, *whole.own.ranges, runs_behind);
     if (off == 0) return false;
-    if (surface_.error_m <= 0 && whole.own.span <= kRowsSpan * PartRanges::kSteps &&
-        std::popcount(off) <= kLookParts) {
+    if (surface_.error_m <= 0 && whole.own.span <= kRowsSpan * SubtriangleErrorRanges::kSteps &&
+        std::popcount(off) <= kMaxExactSubtriangles) {
       const std::array<Corner, 3> triangle{whole.a.at, whole.b.at, whole.c.at};
       return any_part(off, [&](int part) {
-        return any_sample_is_off(whole, PartRanges::corners_of(triangle, static_cast<std::size_t>(part)));
+        return any_sample_is_off(
+            whole, SubtriangleErrorRanges::corners_of(triangle, static_cast<std::size_t>(part)));
       });
     }
     return flat.leg < kWide || any_quarter_is_off(whole, flat, widest(*whole.own.ranges), runs_behind, 2);
@@ -234,14 +235,14 @@ class TriangleError::Look {
 
   /// Of a wide triangle, quarter by quarter: where the Earth curves less. How far the surface is from it is
   /// not known by their parts.
-  bool any_quarter_is_off(const Whole& whole, const Flat& flat, const PartRanges::Ranges& ranges,
+  bool any_quarter_is_off(const Whole& whole, const Flat& flat, const SubtriangleErrorRanges::Ranges& ranges,
                           bool runs_behind, int halvings) const {
     const auto& [a, b, c] = flat.corners;
     const Point base = between(a, b), of_q = between(b, c), of_p = between(c, a);
     for (const std::array<Point, 3>& quarter : {std::array{base, c, of_p}, std::array{a, base, of_p},
                                                 std::array{base, b, of_q}, std::array{c, base, of_q}}) {
       const Flat smaller{quarter, flat.leg / 2, false};
-      if (parts_off(whole, smaller, ranges, runs_behind) == 0) continue;
+      if (subtriangles_over_tolerance(whole, smaller, ranges, runs_behind) == 0) continue;
       if (halvings == 1 || smaller.leg < kWide ||
           any_quarter_is_off(whole, smaller, ranges, runs_behind, halvings - 1))
         return true;
@@ -250,22 +251,24 @@ class TriangleError::Look {
   }
 
   /// What all parts have at most.
-  static PartRanges::Ranges widest(const PartRanges::Ranges& ranges) {
-    PartRanges::Ranges all = ranges;
+  static SubtriangleErrorRanges::Ranges widest(const SubtriangleErrorRanges::Ranges& ranges) {
+    SubtriangleErrorRanges::Ranges all = ranges;
     all.least.fill(*std::min_element(ranges.least.begin(), ranges.least.end()));
     all.most.fill(*std::max_element(ranges.most.begin(), ranges.most.end()));
     return all;
   }
 
   /// Those that may be in the picture and off by too much.
-  std::uint32_t parts_off(const Whole& whole, const Flat& flat, const PartRanges::Ranges& ranges,
-                          bool runs_behind) const {
+  std::uint32_t subtriangles_over_tolerance(const Whole& whole, const Flat& flat,
+                                            const SubtriangleErrorRanges::Ranges& ranges,
+                                            bool runs_behind) const {
     const FlatTriangle triangle = triangle_of(flat, ranges.most_m() + surface_.error_m);
-    const PartPicture picture{view_.half_width_, view_.half_height_, kNearest_m,
-                              whole.a.is_seen && whole.b.is_seen && whole.c.is_seen};
-    std::uint32_t off = cairn::parts_off(triangle, ranges, picture, view_.tolerance_, surface_.error_m);
+    const SubtriangleViewport picture{view_.half_width_, view_.half_height_, kNearest_m,
+                                      whole.a.is_seen && whole.b.is_seen && whole.c.is_seen};
+    std::uint32_t off =
+        cairn::subtriangles_over_tolerance(triangle, ranges, picture, view_.tolerance_, surface_.error_m);
     if (off != 0 && surface_.error_m > 0)
-      off &= cairn::parts_off(triangle, ranges, picture, view_.tolerance_ / 4, 0);
+      off &= cairn::subtriangles_over_tolerance(triangle, ranges, picture, view_.tolerance_ / 4, 0);
     return off != 0 && runs_behind ? above_horizon(triangle, ranges.most_m(), off) : off;
   }
 
@@ -351,7 +354,8 @@ class TriangleError::Look {
     const double least_vertical = rays.up - rays.turn * rays.up_z - rays.up_turn * rays.slant;
     return error * least_vertical - chord >
                view_.tolerance_ * most(whole.a.is.z, whole.b.is.z, whole.c.is.z) ||
-           (rays.up_turn < kWide && error * rays.up + chord > kHopeless * view_.tolerance_ * whole.c.is.z);
+           (rays.up_turn < kWide &&
+            error * rays.up + chord > kAssumeExceedsAbove * view_.tolerance_ * whole.c.is.z);
   }
 
   /// Whether nothing of it is in the picture, certainly.
@@ -366,7 +370,7 @@ class TriangleError::Look {
   /// Those of the parts that the horizon may not hide: each in a sphere around its middle. S(h) is linear but
   /// for its bends, which anywhere in a part differ from those at its middle by twice the largest at most.
   std::uint32_t above_horizon(const FlatTriangle& triangle, double error_m, std::uint32_t parts) const {
-    constexpr int n = PartRanges::kSteps;
+    constexpr int n = SubtriangleErrorRanges::kSteps;
     const std::array<glm::dvec3, 3> bends = bends_of(triangle);
     const auto& [a, b, c] = triangle.corners;
     const auto& [bulge_a, bulge_b, bulge_c] = triangle.bulges;

@@ -6,17 +6,17 @@
 #include <glm/vec3.hpp>
 
 #include "format/height_tile.h"
-#include "runtime/lod/lod_method.h"
-#include "runtime/lod/mesh/part_ranges.h"
+#include "runtime/lod/mesh/lod_scene.h"
 #include "runtime/lod/mesh/sample_rows.h"
 #include "runtime/lod/mesh/square_errors.h"
+#include "runtime/lod/mesh/subtriangle_error_ranges.h"
 #include "runtime/view/horizon.h"
 #include "runtime/view/view_state.h"
 
 namespace cairn {
 
 /// What a flat triangle between samples of a tile is off by on the picture: the measure of Screen, where a
-/// bound from afar (Allowance) is too careful.
+/// bound from afar (ScreenErrorBudget) is too careful.
 ///
 /// A bound over the whole triangle comes first. With P the finest surface, D the triangle,
 ///   D − P = ρ = v·up + c,
@@ -27,7 +27,7 @@ namespace cairn {
 /// up and t here those at the right angle, Dz at the corners. The triangle is seen within that of its
 /// corners' pictures, P |ρ|s/Pz from there at most: ω is that triangle's diameter and this. Otherwise a small
 /// triangle's samples are projected, all at once, and a larger one is held against the tolerance in parts
-/// (parts_off).
+/// (subtriangles_over_tolerance).
 class TriangleError {
  public:
   /// `lowest_m`: of the scene; what the ellipsoid there hides is not in the picture.
@@ -37,7 +37,7 @@ class TriangleError {
     const HeightTile& heights;
     double quantum_m;
     const SquareErrors& errors;
-    const PartRanges& ranges;
+    const SubtriangleErrorRanges& ranges;
     double error_m;  ///< the finest samples are no farther from the heights' bilinear surface, vertically
   };
   /// (column, row) of the tile's samples.

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime/lod/lod_method.h"
+#include "runtime/lod/mesh/lod_scene.h"
 #include "runtime/lod/mesh/tile_window.h"
 
 namespace cairn {

@@ -75,7 +75,7 @@ double worst_sample(const HeightTile& tile, int step) {
 PostErrors own_errors(const HeightTile& tile, const MeasuredPosts& posts) {
   PostCounting counting;
   counting.window = {0, 0, kSize, kSize, 64};
-  PostStats stats;
+  ErrorStats stats;
   PostErrors errors;
   measure_own_surface(tile, kQuantum, posts, counting, stats, errors);
   return errors;
@@ -131,7 +131,7 @@ TEST_CASE("the quick ways to measure a copy of its posts count what the slow way
                           (sides & 2) != 0,
                           (sides & 4) != 0,
                           (sides & 8) != 0};
-    PostStats slow, quick;
+    ErrorStats slow, quick;
     measure_surface(tile, kQuantum, 0, posts, counting, slow);
     PostErrors errors;
     const SurfaceError own = measure_own_surface(tile, kQuantum, posts, counting, quick, errors);
@@ -145,7 +145,7 @@ TEST_CASE("the quick ways to measure a copy of its posts count what the slow way
   posts.heights[77] += 0.25F;
   PostCounting counting;
   counting.window = {0, 0, kSize, kSize, 64};
-  PostStats stats;
+  ErrorStats stats;
   PostErrors errors;
   REQUIRE(measure_own_surface(tile, kQuantum, posts, counting, stats, errors).max_m == 0.25);
   REQUIRE(stats.max() == 0.25);

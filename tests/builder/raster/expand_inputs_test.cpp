@@ -1,3 +1,5 @@
+#include "builder/raster/expand_inputs.h"
+
 #include <catch2/catch.hpp>
 
 #include "tests/support/dem_files.h"

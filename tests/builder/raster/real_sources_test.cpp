@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "builder/raster/expand_inputs.h"
 #include "builder/raster/raster_source.h"
 #include "tests/support/gdal_oracle.h"
 #include "tests/support/test_data.h"

@@ -14,13 +14,13 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "runtime/surface/shown_tiles.h"
+#include "runtime/surface/lod_transition.h"
 #include "runtime/terrain.h"
 #include "runtime/view/geodesy.h"
 #include "tests/support/drawn_mesh.h"
+#include "tests/support/gl_packs.h"
 #include "tests/support/stage.h"
 #include "tests/support/test_data.h"
-#include "tests/support/test_packs.h"
 
 namespace cairn::test {
 namespace {
@@ -89,7 +89,7 @@ class Frames {
   PackHeader header_;
   double longest_fade_;
   std::map<TileId, std::unique_ptr<gl::SurfaceTile>> surfaces_;
-  gl::ShownTiles shown_;
+  gl::LodTransition shown_;
   ViewState view_;
   std::unique_ptr<DrawnMesh> mesh_;
 };
@@ -175,7 +175,7 @@ std::vector<LonLat> places_before(const ViewState& view, std::mt19937& random) {
   return places;
 }
 
-struct Motion {
+struct MotionPredictor {
   double worst_px = 0;
   std::size_t compared = 0;
 };
@@ -187,9 +187,10 @@ std::optional<double> shown_height_m(const Flight& flight, LonLat place) {
 }
 
 /// How far places that two frames show move between them.
-Motion motion_of(Flight& flight, const std::vector<ViewState>& path, Tiles tiles, Exchange exchange) {
+MotionPredictor motion_of(Flight& flight, const std::vector<ViewState>& path, Tiles tiles,
+                          Exchange exchange) {
   std::mt19937 random(11);
-  Motion motion;
+  MotionPredictor motion;
   flight.wait(path.front());
   flight.frame(path.front(), exchange);
   for (std::size_t i = 1; i < path.size(); ++i) {

@@ -8,10 +8,10 @@
 #include <glm/trigonometric.hpp>
 
 #include "runtime/view/geodesy.h"
+#include "tests/support/gl_packs.h"
 #include "tests/support/stage.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"
-#include "tests/support/test_packs.h"
 
 namespace cairn::test {
 namespace {

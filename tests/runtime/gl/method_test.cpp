@@ -6,9 +6,9 @@
 #include <catch2/catch.hpp>
 
 #include "runtime/lod/lod_method.h"
+#include "tests/support/gl_packs.h"
 #include "tests/support/stage.h"
 #include "tests/support/test_data.h"
-#include "tests/support/test_packs.h"
 
 namespace cairn::test {
 namespace {

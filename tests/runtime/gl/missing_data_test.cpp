@@ -8,10 +8,10 @@
 #include <catch2/catch.hpp>
 
 #include "runtime/gl/headless_context.h"
+#include "tests/support/gl_packs.h"
 #include "tests/support/stage.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"
-#include "tests/support/test_packs.h"
 
 namespace cairn::test {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/gl_packs.h"
 #include "tests/support/stage.h"
 #include "tests/support/test_data.h"
-#include "tests/support/test_packs.h"
 
 namespace cairn::test {
 namespace {

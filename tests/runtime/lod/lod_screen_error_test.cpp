@@ -98,7 +98,7 @@ TEST_CASE("The method `full` has no screen error against its own tiles, and no h
   LabTerrain terrain = pack.open();
   for (const double pitch_deg : {-90.0, -40.0, -5.0}) {
     const ViewState view = view_of_hills(pitch_deg);
-    const auto scene = terrain.scene_for(view, {Marking::restricted, 1e-6});
+    const auto scene = terrain.scene_for(view, {RefinementPattern::restricted, 1e-6});
     REQUIRE(scene.ok());
     const auto picture = FinestPicture::of(terrain, view, 2);
     REQUIRE(picture.ok());
@@ -185,7 +185,7 @@ TEST_CASE("Methods that keep a tolerance keep it, culled or not, wherever the ti
     for (const double tolerance_px : {1.0, 6.0}) {
       for (const double pitch_deg : {-70.0, -10.0}) {
         const ViewState view = view_of_hills(pitch_deg);
-        const auto scene = terrain.scene_for(view, {Marking::restricted, tolerance_px / 2});
+        const auto scene = terrain.scene_for(view, {RefinementPattern::restricted, tolerance_px / 2});
         REQUIRE(scene.ok());
         const auto picture = FinestPicture::of(terrain, view, 2);
         REQUIRE(picture.ok());

@@ -187,7 +187,7 @@ void check(int level, int finest, int rounds) {
       const Ground g = ground(place, level, finest, relief);
       const LodScene scene = scene_of(g);
       const SquareErrors errors(scene, scene.tiles[0], g.error_m > 0);
-      const PartRanges ranges(g.heights, g.id, kQuantum_m, g.error_m > 0);
+      const SubtriangleErrorRanges ranges(g.heights, g.id, kQuantum_m, g.error_m > 0);
       for (int i = 0; i < rounds; ++i) {
         LodView view{random_view(g, random), 0, true};
         const Triangle t = random_triangle(g.id, random);
@@ -210,7 +210,7 @@ void check(int level, int finest, int rounds) {
   CHECK(seen > rounds);
   CHECK(said_no > seen / 10);
   CHECK(said_yes > seen / 10);
-  // No promise: the guess that saves looking (kHopeless) says yes too often, but not idly.
+  // No promise: the guess that saves looking (kAssumeExceedsAbove) says yes too often, but not idly.
   if (level == finest) CHECK(rightly * 2 > said_yes);
 }
 

@@ -12,7 +12,7 @@
 #include <catch2/catch.hpp>
 
 #include "format/pack_sampler.h"
-#include "runtime/paging/pack_contents.h"
+#include "runtime/paging/tile_availability.h"
 #include "tests/support/flight_pack.h"
 
 namespace cairn {
@@ -151,13 +151,13 @@ FlightResult fly(const FlightPack& pack, const TerrainOptions& options, const Fa
 
 /// What the map should be, from the scene map and the faults alone.
 AreasAndSources expected_map(const FlightPack& pack, const TileId& eye, const Faults& faults,
-                             Marking marking = Marking::restricted) {
+                             RefinementPattern pattern = RefinementPattern::restricted) {
   const auto reader = pack.open();
   const HasTile has = [&](const TileId& id) {
     return reader->find(Layer::heights, id).has_value() && !faults.is_damaged({Layer::heights, id});
   };
   AreasAndSources areas;
-  for (const SceneTile& tile : build_scene_map({eye, kMinLevel, marking}, has))
+  for (const SceneTile& tile : build_scene_map({eye, kMinLevel, pattern}, has))
     areas[tile.area] = tile.source();
   return areas;
 }
@@ -179,19 +179,20 @@ constexpr int kMoves = 10000;
 
 }  // namespace
 
-TEST_CASE("a terrain at rest shows the scene map of its eye, whatever the marking") {
+TEST_CASE("a terrain at rest shows the scene map of its eye, whatever the pattern") {
   const FlightPack pack;
-  for (const Marking marking :
-       {Marking::normal, Marking::plus, Marking::cross, Marking::restricted, Marking::balanced}) {
+  for (const RefinementPattern pattern :
+       {RefinementPattern::normal, RefinementPattern::plus, RefinementPattern::cross,
+        RefinementPattern::restricted, RefinementPattern::balanced}) {
     TerrainOptions options = small_options(2, 128);
-    options.marking = marking;
+    options.pattern = pattern;
     Terrain terrain = open(pack, options);
     RandomFlight flight(1);
     const RenderList& list = rest(terrain, flight.home());
     require_cover(list);
     require_right_data(list);
     CHECK(terrain.eye_tile() == tile_at({28.3, 36.7}, FlightPack::kFinest));
-    CHECK(areas_of(list) == expected_map(pack, terrain.eye_tile(), {}, marking));
+    CHECK(areas_of(list) == expected_map(pack, terrain.eye_tile(), {}, pattern));
   }
 }
 
@@ -276,7 +277,7 @@ TEST_CASE("an option out of range is refused, and a budget too small with the le
     return !terrain && terrain.error().code == ErrorCode::usage;
   };
   CHECK(refused([](TerrainOptions& o) { o.workers = 0; }));
-  CHECK(refused([](TerrainOptions& o) { o.marking = Marking::nine; }));
+  CHECK(refused([](TerrainOptions& o) { o.pattern = RefinementPattern::nine; }));
   CHECK(refused([](TerrainOptions& o) { o.tile_margin = 1; }));
   CHECK(refused([](TerrainOptions& o) { o.level_margin = -0.1; }));
   CHECK(refused([](TerrainOptions& o) { o.look_ahead_s = NAN; }));

@@ -11,16 +11,16 @@ namespace cairn {
 namespace {
 
 constexpr int kFinest = 12;
-constexpr std::array kQuadtrees{Marking::normal, Marking::plus, Marking::cross, Marking::restricted,
-                                Marking::balanced};
+constexpr std::array kQuadtrees{RefinementPattern::normal, RefinementPattern::plus, RefinementPattern::cross,
+                                RefinementPattern::restricted, RefinementPattern::balanced};
 
 /// Far from the poles and the antimeridian, on a corner of the tiles of every level that a test counts.
 TileId mid_world(std::int32_t dx, std::int32_t dy) {
   return {kFinest, (180 << kFinest) + dx, (90 << kFinest) + dy};
 }
 
-SceneMap counted_map(const TileId& eye, int levels, Marking marking) {
-  return build_scene_map({eye, eye.level - levels + 1, marking});
+SceneMap counted_map(const TileId& eye, int levels, RefinementPattern pattern) {
+  return build_scene_map({eye, eye.level - levels + 1, pattern});
 }
 
 /// Counts over every eye tile of a 2^(K+2) square and every one-tile move along an axis from it.
@@ -30,15 +30,15 @@ struct Enumeration {
   std::size_t smallest_difference = SIZE_MAX;
 };
 
-Enumeration enumerate(Marking marking, int levels, std::span<const std::pair<int, int>> moves) {
+Enumeration enumerate(RefinementPattern pattern, int levels, std::span<const std::pair<int, int>> moves) {
   const std::int32_t side = 1 << (levels + 2);
   Enumeration found;
   for (std::int32_t y = 0; y < side; ++y) {
     for (std::int32_t x = 0; x < side; ++x) {
-      const auto here = sources_of(counted_map(mid_world(x, y), levels, marking));
+      const auto here = sources_of(counted_map(mid_world(x, y), levels, pattern));
       found.totals.insert(here.size());
       for (const auto& [dx, dy] : moves) {
-        const auto there = sources_of(counted_map(mid_world(x + dx, y + dy), levels, marking));
+        const auto there = sources_of(counted_map(mid_world(x + dx, y + dy), levels, pattern));
         found.largest_difference = std::max(found.largest_difference, difference(here, there).size());
         found.smallest_difference = std::min(found.smallest_difference, difference(here, there).size());
       }
@@ -121,17 +121,17 @@ TileId random_eye(std::mt19937_64& random, int level) {
 
 TEST_CASE("the table of block counts comes out of exhaustive enumeration") {
   using Set = std::set<std::size_t>;
-  const std::map<Marking, std::pair<Set, std::size_t>> table{
-      {Marking::normal, {Set{13}, 13}},
-      {Marking::plus, {Set{19, 22, 25, 28, 29, 31, 32, 35, 39}, 14}},
-      {Marking::cross, {Set{22, 25, 28, 31, 32, 34, 38, 40, 44, 52}, 28}},
-      {Marking::restricted, {Set{52}, 10}},
-      {Marking::balanced, {Set{52, 60, 66, 72, 78, 84, 87, 93, 102}, 46}},
-      {Marking::nine, {Set{9}, 3}},
-      {Marking::window, {Set{64}, 8}}};
-  for (const auto& [marking, expected] : table) {
-    const Enumeration found = enumerate(marking, 4, kAxis);
-    INFO(to_string(marking));
+  const std::map<RefinementPattern, std::pair<Set, std::size_t>> table{
+      {RefinementPattern::normal, {Set{13}, 13}},
+      {RefinementPattern::plus, {Set{19, 22, 25, 28, 29, 31, 32, 35, 39}, 14}},
+      {RefinementPattern::cross, {Set{22, 25, 28, 31, 32, 34, 38, 40, 44, 52}, 28}},
+      {RefinementPattern::restricted, {Set{52}, 10}},
+      {RefinementPattern::balanced, {Set{52, 60, 66, 72, 78, 84, 87, 93, 102}, 46}},
+      {RefinementPattern::nine, {Set{9}, 3}},
+      {RefinementPattern::window, {Set{64}, 8}}};
+  for (const auto& [pattern, expected] : table) {
+    const Enumeration found = enumerate(pattern, 4, kAxis);
+    INFO(to_string(pattern));
     CHECK(found.totals == expected.first);
     CHECK(found.largest_difference == expected.second);
   }
@@ -139,33 +139,33 @@ TEST_CASE("the table of block counts comes out of exhaustive enumeration") {
 
 TEST_CASE("the restricted map is 12(K-1)+16 tiles and a diagonal move at most doubles its 10") {
   for (int levels = 2; levels <= 4; ++levels) {
-    const Enumeration axis = enumerate(Marking::restricted, levels, kAxis);
+    const Enumeration axis = enumerate(RefinementPattern::restricted, levels, kAxis);
     CHECK(axis.totals == std::set<std::size_t>{static_cast<std::size_t>(12 * (levels - 1) + 16)});
     CHECK(axis.largest_difference == 10);
-    CHECK(enumerate(Marking::restricted, levels, kDiagonal).largest_difference <= 20);
+    CHECK(enumerate(RefinementPattern::restricted, levels, kDiagonal).largest_difference <= 20);
   }
 }
 
 TEST_CASE("a window loads n tiles a move along an axis and 2n-1 along a diagonal") {
-  CHECK(enumerate(Marking::window, 2, kAxis).largest_difference == 8);
-  CHECK(enumerate(Marking::window, 2, kDiagonal).largest_difference == 15);
-  CHECK(enumerate(Marking::nine, 2, kDiagonal).largest_difference == 5);
+  CHECK(enumerate(RefinementPattern::window, 2, kAxis).largest_difference == 8);
+  CHECK(enumerate(RefinementPattern::window, 2, kDiagonal).largest_difference == 15);
+  CHECK(enumerate(RefinementPattern::nine, 2, kDiagonal).largest_difference == 5);
 }
 
 TEST_CASE("the thesis's map of 8x8 tiles with the eye in the middle has 10 blocks, or 28 with the cross") {
   const TileId middle = mid_world(4, 4);
-  CHECK(counted_map(middle, 3, Marking::normal).size() == 10);
-  CHECK(counted_map(middle, 3, Marking::cross).size() == 28);
+  CHECK(counted_map(middle, 3, RefinementPattern::normal).size() == 10);
+  CHECK(counted_map(middle, 3, RefinementPattern::cross).size() == 28);
 }
 
-TEST_CASE("every place of the Earth is covered once, whatever the eye, the level and the marking") {
+TEST_CASE("every place of the Earth is covered once, whatever the eye, the level and the pattern") {
   std::mt19937_64 random(4);
   for (int i = 0; i < 400; ++i) {
     const int finest = static_cast<int>(random() % 20) + kMinLevel;
     const TileId eye = random_eye(random, finest);
-    for (const Marking marking : kQuadtrees) {
-      INFO(to_string(eye) << " " << to_string(marking));
-      const SceneMap map = build_scene_map({eye, kMinLevel, marking});
+    for (const RefinementPattern pattern : kQuadtrees) {
+      INFO(to_string(eye) << " " << to_string(pattern));
+      const SceneMap map = build_scene_map({eye, kMinLevel, pattern});
       REQUIRE(std::is_sorted(map.begin(), map.end()));
       require_exact_cover(map, finest);
     }
@@ -177,12 +177,13 @@ TEST_CASE("all 8 neighbours of the eye's tile are of the finest level in cross, 
   for (int i = 0; i < 2000; ++i) {
     const int finest = static_cast<int>(random() % 24) + kMinLevel + 1;
     const TileId eye = random_eye(random, finest);
-    for (const Marking marking : {Marking::cross, Marking::restricted, Marking::balanced}) {
-      const SceneMap map = build_scene_map({eye, kMinLevel, marking});
+    for (const RefinementPattern pattern :
+         {RefinementPattern::cross, RefinementPattern::restricted, RefinementPattern::balanced}) {
+      const SceneMap map = build_scene_map({eye, kMinLevel, pattern});
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) {
           const TileId neighbour = neighbour_of(eye, dx, dy);
-          INFO(to_string(eye) << " " << to_string(marking) << " " << dx << "," << dy);
+          INFO(to_string(eye) << " " << to_string(pattern) << " " << dx << "," << dy);
           if (is_valid(neighbour)) REQUIRE(has_area(map, neighbour));
         }
       }
@@ -198,7 +199,7 @@ TEST_CASE("tiles that touch differ by at most two levels in restricted and by at
       const TileId eye = random_eye(random, levels - 1);
       largest_restricted =
           std::max(largest_restricted, largest_step_between_touching(build_scene_map({eye}), eye.level, -3));
-      const SceneMap balanced = build_scene_map({eye, kMinLevel, Marking::balanced});
+      const SceneMap balanced = build_scene_map({eye, kMinLevel, RefinementPattern::balanced});
       INFO(to_string(eye));
       REQUIRE(largest_step_between_touching(balanced, eye.level) <= 1);
     }
@@ -210,7 +211,7 @@ TEST_CASE("the restricted map steps by one level only at 1 of 16 eye tiles, K = 
   int ones = 0;
   for (std::int32_t y = 0; y < 16; ++y) {
     for (std::int32_t x = 0; x < 16; ++x) {
-      const SceneMap map = counted_map(mid_world(x, y), 4, Marking::restricted);
+      const SceneMap map = counted_map(mid_world(x, y), 4, RefinementPattern::restricted);
       const int step = largest_step_between_touching(map, kFinest);
       REQUIRE(step <= 2);
       ones += step == 1;
@@ -250,9 +251,10 @@ TEST_CASE("where no ancestor can be had the map says so") {
   CHECK(sources_of(none).empty());
 }
 
-TEST_CASE("markings are read back from their words") {
-  for (const Marking marking : all_markings()) CHECK(marking_from(to_string(marking)) == marking);
-  CHECK_FALSE(marking_from("x").has_value());
+TEST_CASE("patterns are read back from their words") {
+  for (const RefinementPattern pattern : all_refinement_patterns())
+    CHECK(refinement_pattern_from(to_string(pattern)) == pattern);
+  CHECK_FALSE(refinement_pattern_from("x").has_value());
 }
 
 }  // namespace cairn

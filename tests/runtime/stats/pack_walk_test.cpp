@@ -23,7 +23,7 @@ TEST_CASE("a walk over a pack stays over it and loads what its moves add") {
     eye = moved(eye, move);
     REQUIRE(has(eye));
   }
-  const CountSpec spec{*start, 4, Marking::restricted, 8, has};
+  const CountSpec spec{*start, 4, RefinementPattern::restricted, 8, has};
   TimedLoader loader(read_from(reader), 2);
   const auto loads = load_walk(spec, walk, *reader, loader);
   REQUIRE(loads.ok());

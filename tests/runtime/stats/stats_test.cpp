@@ -53,8 +53,8 @@ TEST_CASE("a walk is read from lines dx,dy and a bad line is named") {
 }
 
 TEST_CASE("a walk's counts add up: what the map gains less what it loses is how it grows") {
-  for (const Marking marking : all_markings()) {
-    const CountSpec spec{endless_world(), 4, marking, 8, nullptr};
+  for (const RefinementPattern pattern : all_refinement_patterns()) {
+    const CountSpec spec{endless_world(), 4, pattern, 8, nullptr};
     const auto walk = random_walk(moves_of_kind("random"), 300, 9);
     const auto counts = count_walk(spec, walk);
     REQUIRE(counts.size() == walk.size());
@@ -80,14 +80,14 @@ TEST_CASE("a drawing has a rectangle a tile and one black one for the eye") {
 }
 
 TEST_CASE("the report says what was counted and leaves out what was not measured") {
-  StatsReport report{4, "axis", 7, false, "", {{Marking::restricted, {{52, 10}, {52, 8}}, {}}}};
+  StatsReport report{4, "axis", 7, false, "", {{RefinementPattern::restricted, {{52, 10}, {52, 8}}, {}}}};
   const std::string json = to_json(report);
   CHECK(json.find("\"histogram\": {\n     \"8\": 1,\n     \"10\": 1") != std::string::npos);
   CHECK(json.find("latency_ms") == std::string::npos);
-  CHECK(to_csv(report) == "marking,move,total,difference\nrestricted,1,52,10\nrestricted,2,52,8\n");
+  CHECK(to_csv(report) == "pattern,move,total,difference\nrestricted,1,52,10\nrestricted,2,52,8\n");
 
   report.pack = "x.cairn";
-  report.markings[0].loads = {{1.5, 1000}, {2.5, 3000}};
+  report.patterns[0].loads = {{1.5, 1000}, {2.5, 3000}};
   CHECK(to_json(report).find("\"max\": 2.5") != std::string::npos);
   CHECK(to_csv(report).find("restricted,2,52,8,2.5,3000\n") != std::string::npos);
 }

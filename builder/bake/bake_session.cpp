@@ -1,0 +1,129 @@
+#include "builder/bake/bake_session.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "format/checksum.h"
+#include "format/file.h"
+
+namespace cairn {
+namespace {
+
+bool block_is_whole(const File& part, std::uint64_t part_bytes, const IndexEntry& entry,
+                    std::vector<std::byte>& buffer) {
+  if (entry.offset > part_bytes || entry.bytes > part_bytes - entry.offset) return false;
+  buffer.resize(entry.bytes);
+  return part.read(entry.offset, buffer).ok() && checksum(buffer) == entry.checksum;
+}
+
+// The units, from the first on, whose blocks are all in the unfinished pack.
+std::vector<UnitRecord> whole_units(const std::filesystem::path& part_path, std::vector<UnitRecord> records) {
+  const auto part = File::open_to_read(part_path);
+  if (!part) return {};
+  const auto size = part->size();
+  if (!size) return {};
+  std::vector<std::byte> buffer;
+  const auto damaged = std::find_if(records.begin(), records.end(), [&](const UnitRecord& record) {
+    return !std::all_of(record.entries.begin(), record.entries.end(),
+                        [&](const IndexEntry& e) { return block_is_whole(*part, *size, e, buffer); });
+  });
+  records.erase(damaged, records.end());
+  return records;
+}
+
+Result<std::vector<std::uint64_t>> hash_inputs(const BuildOptions& options) {
+  std::vector<std::filesystem::path> paths = options.inputs;
+  paths.insert(paths.end(), options.imagery.inputs.begin(), options.imagery.inputs.end());
+  if (options.geoid) paths.push_back(*options.geoid);
+  return hash_files(paths);
+}
+
+std::uint64_t print_of(const BuildOptions& options, const std::vector<std::uint64_t>& input_hashes) {
+  return fingerprint(describe_options(options), input_hashes);
+}
+
+Result<BakeSession> begin(const BuildOptions& options, const PackHeader& header) {
+  auto writer = PackWriter::create(options.target, header);
+  if (!writer) return writer.error();
+  auto journal = Journal::create(options.target);
+  if (!journal) {
+    writer->abandon();
+    return journal.error();
+  }
+  return BakeSession{std::move(*writer), std::move(*journal), {}, std::nullopt, false};
+}
+
+Result<BakeSession> resume(const BuildOptions& options, const PackHeader& header,
+                           std::vector<UnitRecord> done) {
+  std::vector<IndexEntry> entries;
+  for (const UnitRecord& record : done)
+    entries.insert(entries.end(), record.entries.begin(), record.entries.end());
+  auto writer = PackWriter::reopen(options.target, header, entries);
+  if (!writer) return writer.error();
+  auto journal = Journal::reopen(options.target, done);
+  if (!journal) {
+    writer->abandon();
+    return journal.error();
+  }
+  return BakeSession{std::move(*writer), std::move(*journal), std::move(done), std::nullopt, true};
+}
+
+}  // namespace
+
+Result<BakeSession> begin_session(const BuildOptions& options, const PackHeader& header) {
+  std::error_code ignored;
+  if (!options.resume || !std::filesystem::exists(Journal::path_for(options.target), ignored))
+    return begin(options, header);
+  const auto hashes = hash_inputs(options);
+  if (!hashes) return hashes.error();
+  std::vector<UnitRecord> done = whole_units(std::filesystem::path(options.target).concat(".part"),
+                                             Journal::read(options.target, print_of(options, *hashes)));
+  auto session = done.empty() ? begin(options, header) : resume(options, header, std::move(done));
+  if (session) session->input_hashes = *hashes;
+  return session;
+}
+
+InputHashing::InputHashing(const BuildOptions& options, BakeSession& session)
+    : options_(options), session_(session) {
+  const OrderedTurn turn(order_);
+  tasks_.run([this] {
+    const OrderedTurn taken(order_);
+    hash();
+  });
+}
+
+InputHashing::~InputHashing() {
+  if (!options_.resume) tasks_.cancel();
+  tasks_.wait();
+  const OrderedTurn turn(order_);
+}
+
+void InputHashing::hash() {
+  hashes_ = session_.input_hashes ? *session_.input_hashes : hash_inputs(options_);
+  if (!*hashes_) return;
+  if (auto status = session_.journal.identify(print_of(options_, **hashes_)); !status)
+    hashes_ = status.error();
+}
+
+Result<std::vector<std::uint64_t>> InputHashing::hashes() {
+  tasks_.wait();
+  const OrderedTurn turn(order_);
+  return *hashes_;
+}
+
+Error discard(const BuildOptions& options, BakeSession& session, Error error) {
+  if (options.resume) {
+    error.message += "; --resume goes on from here";
+    return error;
+  }
+  session.writer.abandon();
+  remove_journal(options.target);
+  return error;
+}
+
+void remove_journal(const std::filesystem::path& target) {
+  std::error_code ignored;
+  std::filesystem::remove(Journal::path_for(target), ignored);
+}
+
+}  // namespace cairn

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "builder/bake/tile_tree.h"
+#include "builder/heights/height_plan.h"
+#include "builder/imagery/imagery_mosaic.h"
+#include "builder/mosaic/mosaic.h"
+#include "builder/options/build_options.h"
+
+namespace cairn {
+
+/// What a bake makes a pack of: heights, imagery or both.
+struct BakePlan {
+  std::unique_ptr<Mosaic> heights;         ///< null where there are no DEMs
+  std::optional<HeightPlan> plan;          ///< of the heights
+  std::unique_ptr<ImageryMosaic> imagery;  ///< null where there are no images
+  std::optional<TileTree> imagery_tree;
+
+  /// The area of all sources.
+  GeoBounds bounds() const;
+};
+
+/// Asks every source what it is, and lays out the trees of tiles.
+Result<BakePlan> plan_bake(const BuildOptions& options, int threads);
+
+}  // namespace cairn

@@ -1,0 +1,80 @@
+#include "builder/heights/error_stats.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace cairn {
+
+namespace {
+
+constexpr int kFloatMantissaBits = 23;
+constexpr int kFloatBias = 127;
+
+}  // namespace
+
+std::uint32_t ErrorStats::bin_of(double error) {
+  const auto bits =
+      std::bit_cast<std::uint32_t>(static_cast<float>(error)) >> (kFloatMantissaBits - kMantissaBits);
+  constexpr std::uint32_t first = static_cast<std::uint32_t>(kFloatBias + kSmallestExponent) << kMantissaBits;
+  return bits < first ? 0 : std::min<std::uint32_t>(bits - first, kBins - 1);
+}
+
+void ErrorStats::add(const ErrorStats& other) {
+  count_ += other.count_;
+  sum_of_squares_ += other.sum_of_squares_;
+  for (std::size_t b = 0; b < bins_.size(); ++b) bins_[b] += other.bins_[b];
+  if (other.max_ > max_) {
+    max_ = other.max_;
+    worst_ = other.worst_;
+  }
+}
+
+double ErrorStats::rms() const {
+  return count_ == 0 ? 0 : std::sqrt(sum_of_squares_ / static_cast<double>(count_));
+}
+
+double ErrorStats::percentile(double share) const {
+  const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(count_)));
+  std::uint64_t seen = 0;
+  for (std::uint32_t b = 0; b < kBins; ++b) {
+    seen += bins_[b];
+    if (seen < wanted) continue;
+    if (b == 0) return std::min(std::ldexp(1.0, kSmallestExponent), max_);
+    const std::uint32_t next =
+        b + 1 + (static_cast<std::uint32_t>(kFloatBias + kSmallestExponent) << kMantissaBits);
+    const float edge = std::bit_cast<float>(next << (kFloatMantissaBits - kMantissaBits));
+    return std::min(static_cast<double>(edge), max_);
+  }
+  return max_;
+}
+
+void ErrorStats::append_to(std::vector<std::byte>& out) const {
+  ByteWriter writer(out);
+  writer.write(count_);
+  writer.write(sum_of_squares_);
+  writer.write(max_);
+  writer.write(worst_.lon);
+  writer.write(worst_.lat);
+  for (std::uint32_t b = 0; b < kBins; ++b) {
+    if (bins_[b] == 0) continue;
+    writer.write(b);
+    writer.write(bins_[b]);
+  }
+  writer.write(std::uint32_t{kBins});  // the end of the bins
+}
+
+ErrorStats ErrorStats::read_from(ByteReader& in) {
+  ErrorStats stats;
+  stats.count_ = in.read<std::uint64_t>();
+  stats.sum_of_squares_ = in.read<double>();
+  stats.max_ = in.read<double>();
+  stats.worst_.lon = in.read<double>();
+  stats.worst_.lat = in.read<double>();
+  for (auto b = in.read<std::uint32_t>(); in.ok() && b < kBins; b = in.read<std::uint32_t>()) {
+    stats.bins_[b] = in.read<std::uint64_t>();
+  }
+  return stats;
+}
+
+}  // namespace cairn

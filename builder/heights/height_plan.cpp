@@ -1,0 +1,71 @@
+#include "builder/heights/height_plan.h"
+
+#include <algorithm>
+#include <string>
+
+namespace cairn {
+namespace {
+
+// Where the mosaic has something, and the region asks for it.
+TileTree::LeafLevel leaf_level_in(const Mosaic& mosaic, const std::optional<GeoBounds>& region) {
+  if (!region) return [&mosaic](const TileId& id) { return mosaic.leaf_level(id); };
+  Footprint wanted;
+  wanted.add(*region);
+  return [&mosaic, wanted](const TileId& id) {
+    return wanted.overlaps(without_overhang(tile_bounds(id))) ? mosaic.leaf_level(id) : std::nullopt;
+  };
+}
+
+}  // namespace
+
+HeightPlan::HeightPlan(const Mosaic& mosaic)
+    : mosaic_(&mosaic), tree_(kMinLevel, leaf_level_in(mosaic, {})) {}
+
+Status HeightPlan::choose_levels(const BuildOptions& options) {
+  const int native = mosaic_->finest_level();
+  finest_ = options.level.value_or(native);
+  const int top = options.top.value_or(mosaic_->is_global() ? kMinLevel : std::min(0, finest_));
+  tree_ = TileTree(top, leaf_level_in(*mosaic_, options.region),
+                   [mosaic = mosaic_](const TileId& id) { return mosaic->touches(id); });
+  if (top > finest_) {
+    return usage_error("--top " + std::to_string(top) + ": expected a level no finer than the finest, " +
+                       std::to_string(finest_));
+  }
+  return {};
+}
+
+// Where heights are stored as the sources have them, their own step keeps any error bound. Elsewhere the
+// rounding may use up half of E at most; for whole metres a quarter keeps slopes smooth between the posts.
+Status HeightPlan::choose_quantum(const BuildOptions& options) {
+  const bool whole = mosaic_->whole_metres();
+  error_bound_m_ = options.max_error_m.value_or(whole ? 0.5 : 0.05);
+  const double step = whole && mosaic_->posts_are_samples() ? 1.0 : whole ? 0.25 : 0.02;
+  quantum_m_ = options.quantum_m.value_or(
+      whole && mosaic_->posts_are_samples() ? 1.0 : std::min(step, error_bound_m_ / 2));
+  return {};
+}
+
+Result<HeightPlan> HeightPlan::make(const Mosaic& mosaic, const BuildOptions& options) {
+  HeightPlan plan(mosaic);
+  plan.tile_size_ = options.tile_size;
+  if (auto status = plan.choose_levels(options); !status) return status.error();
+  if (auto status = plan.choose_quantum(options); !status) return status.error();
+  if (plan.tree_.units().empty())
+    return usage_error("--region: expected an area that the sources cover, found none");
+  return plan;
+}
+
+PostCounting HeightPlan::counting(const TileId& leaf) const {
+  const auto lies = [&](int dx, int dy) { return tree_.wants(neighbour_of(leaf, dx, dy)); };
+  PostCounting counting;
+  counting.window = window_of(leaf, tile_size_);
+  const bool east = lies(1, 0);
+  const bool north = lies(0, 1);
+  counting.count_east = !east;
+  counting.count_north = !north;
+  counting.count_north_west = !north && !lies(-1, 1);
+  counting.count_north_east = !north && !east && !lies(1, 1);
+  return counting;
+}
+
+}  // namespace cairn

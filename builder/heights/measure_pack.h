@@ -1,0 +1,15 @@
+#pragma once
+
+#include "builder/heights/error_stats.h"
+#include "builder/options/build_options.h"
+#include "format/pack_reader.h"
+#include "format/status.h"
+
+namespace cairn {
+
+/// Measures a pack anew against its sources: every post that won, against the bilinear surface of the finest
+/// tile, decoded from the pack, that covers it. REQUIRES: `options` as the bake had them. Uses all threads of
+/// the caller's arena.
+Result<ErrorStats> measure_pack(const PackReader& pack, const BuildOptions& options);
+
+}  // namespace cairn

@@ -1,0 +1,165 @@
+#include "builder/pack_metadata.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "builder/bake/fingerprint.h"
+#include "builder/heights/rqt_layer.h"
+#include "builder/imagery/texture_tile_encode.h"
+
+namespace cairn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const GeoBounds& b) {
+  return {{"west", b.west}, {"south", b.south}, {"east", b.east}, {"north", b.north}};
+}
+
+Json json_of(const ErrorStats& s) {
+  return {{"posts", s.count()},
+          {"max_m", s.max()},
+          {"rms_m", s.rms()},
+          {"p50_m", s.percentile(0.50)},
+          {"p95_m", s.percentile(0.95)},
+          {"p99_m", s.percentile(0.99)},
+          {"worst", {{"lon", s.worst().lon}, {"lat", s.worst().lat}}}};
+}
+
+Json levels_of(const std::vector<IndexEntry>& entries) {
+  std::map<int, double> worst;
+  for (const IndexEntry& e : entries) {
+    if (e.layer != Layer::heights) continue;
+    double& error = worst[e.id.level];
+    error = std::max(error, static_cast<double>(e.geometric_error_m));
+  }
+  Json levels = Json::array();
+  for (const auto& [level, error] : worst) levels.push_back({{"level", level}, {"max_error_m", error}});
+  return levels;
+}
+
+Json source_of(const RasterInfo& info, std::uint64_t hash) {
+  return {{"name", info.path.filename().string()},
+          {"format", info.format},
+          {"columns", info.columns},
+          {"rows", info.rows},
+          {"bounds", json_of(info.bounds)},
+          {"xxh3", fmt::format("{:016x}", hash)}};
+}
+
+// `hashes` are those of all inputs, the DEMs' first.
+Json sources_of(const Mosaic& mosaic, const HeightSummary& heights,
+                const std::vector<std::uint64_t>& hashes) {
+  Json sources = Json::array();
+  for (std::size_t s = 0; s < mosaic.pool().size(); ++s) {
+    Json source = source_of(mosaic.pool().info(s), hashes[s]);
+    source["posts_used"] = s < heights.posts_used.size() ? heights.posts_used[s] : 0;
+    sources.push_back(std::move(source));
+  }
+  return sources;
+}
+
+// A level's PSNR is that of the mean squared error of its tiles.
+Json imagery_levels_of(const std::vector<IndexEntry>& entries) {
+  struct Level {
+    std::uint64_t tiles = 0;
+    double error = 0;
+  };
+  std::map<int, Level> levels;
+  for (const IndexEntry& e : entries) {
+    if (e.layer != Layer::imagery) continue;
+    ++levels[e.id.level].tiles;
+    if (e.max_quanta < kNoTextureError) levels[e.id.level].error += std::pow(10, -e.max_quanta / 10'000.0);
+  }
+  Json json = Json::array();
+  for (const auto& [number, level] : levels) {
+    const double worst = std::pow(10, -kNoTextureError / 10'000.0);
+    const double mean = std::max(worst, level.error / static_cast<double>(level.tiles));
+    json.push_back(
+        {{"level", number}, {"tiles", level.tiles}, {"psnr_db", std::round(-1e4 * std::log10(mean)) / 1e3}});
+  }
+  return json;
+}
+
+const char* name_of(TextureFormat format) {
+  return format == TextureFormat::bc1 ? "bc1" : format == TextureFormat::bc3 ? "bc3" : "bc7";
+}
+
+const char* name_of(TextureQuality quality) {
+  return quality == TextureQuality::fast ? "fast" : quality == TextureQuality::normal ? "normal" : "best";
+}
+
+Json imagery_of(const BakePlan& layers, const ImageryOptions& options,
+                const std::vector<std::uint64_t>& hashes, const std::vector<IndexEntry>& entries) {
+  const std::size_t first = layers.heights ? layers.heights->pool().size() : 0;
+  const RasterPool& pool = layers.imagery->pool();
+  Json sources = Json::array();
+  for (std::size_t s = 0; s < pool.size(); ++s) sources.push_back(source_of(pool.info(s), hashes[first + s]));
+  return {{"format", name_of(options.format)},        {"quality", name_of(options.quality)},
+          {"feather_pixels", options.feather_pixels}, {"top", layers.imagery_tree->top()},
+          {"finest", layers.imagery->finest_level()}, {"bounds", json_of(layers.imagery->bounds())},
+          {"levels", imagery_levels_of(entries)},     {"sources", sources}};
+}
+
+const char* name_of(ResampleMethod method) {
+  switch (method) {
+    case ResampleMethod::nearest:
+      return "nearest";
+    case ResampleMethod::bilinear:
+      return "bilinear";
+    case ResampleMethod::cubic:
+      return "cubic";
+    case ResampleMethod::exact:
+      return "exact";
+  }
+  return "";
+}
+
+Json options_of(const BuildOptions& o) {
+  Json options{{"tile_size", o.tile_size},
+               {"resampling", name_of(o.resampling)},
+               {"void", o.voids == VoidMode::fill ? "fill" : "keep"},
+               {"datum", to_string(o.datum)}};
+  if (o.level) options["level"] = *o.level;
+  if (o.top) options["top"] = *o.top;
+  if (o.region) options["region"] = json_of(*o.region);
+  if (o.max_error_m) options["max_error"] = *o.max_error_m;
+  if (o.quantum_m) options["quantum"] = *o.quantum_m;
+  if (o.rqt_tolerance_m) options["rqt"] = *o.rqt_tolerance_m;
+  return options;
+}
+
+}  // namespace
+
+std::string describe_pack(const BakePlan& layers, const BuildOptions& options, const HeightSummary& heights,
+                          const std::vector<std::uint64_t>& input_hashes,
+                          const std::vector<IndexEntry>& entries) {
+  Json meta;
+  meta["cairn"] = CAIRN_VERSION;
+  meta["grid"] = {{"tile_size", options.tile_size}};
+  if (layers.plan) {
+    meta["grid"]["quantum_m"] = layers.plan->quantum_m();
+    meta["grid"]["top"] = layers.plan->top();
+    meta["grid"]["finest"] = layers.plan->finest();
+  }
+  meta["vertical_datum"] = to_string(options.geoid ? VerticalDatum::ellipsoid : options.datum);
+  meta["bounds"] = json_of(layers.bounds());
+  if (layers.plan) {
+    meta["error_bound_m"] = layers.plan->error_bound_m();
+    meta["accuracy"] = json_of(heights.accuracy);
+  }
+  meta["levels"] = levels_of(entries);
+  meta["sources"] = layers.heights ? sources_of(*layers.heights, heights, input_hashes) : Json::array();
+  if (layers.imagery) meta["imagery"] = imagery_of(layers, options.imagery, input_hashes, entries);
+  if (layers.plan && options.rqt_tolerance_m)
+    meta["rqt"] = {{"tolerance_m", *options.rqt_tolerance_m}, {"triangulations", kRqtSteps}};
+  meta["options"] = options_of(options);
+  // A file's name need not be UTF-8, JSON must.
+  return meta.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace cairn

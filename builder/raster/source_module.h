@@ -1,9 +1,0 @@
-#pragma once
-
-namespace cairn {
-
-/// Loads a module of readers (NAME.so beside the program, or in ../lib/cairn of it) for good, and returns its
-/// entry; null where there is no such module or it cannot be loaded.
-void* load_source_module(const char* name, const char* entry);
-
-}  // namespace cairn

@@ -1,0 +1,93 @@
+#include "builder/resample/projection_mesh.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "format/simd_clones.h"
+
+namespace cairn {
+namespace {
+
+std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
+  return a / b - (a % b < 0 ? 1 : 0);
+}
+
+IndexRange nodes_around(IndexRange places, std::int64_t step) {
+  return {floor_divide(places.first, step) - 1, floor_divide(places.last, step) + 2};
+}
+
+using Weights = std::array<double, 4>;
+
+// Of the nodes at -1, 0, 1, 2.
+Weights lagrange(double f) {
+  return {-f * (f - 1) * (f - 2) / 6, (f + 1) * (f - 1) * (f - 2) / 2, -(f + 1) * f * (f - 2) / 2,
+          (f + 1) * f * (f - 1) / 6};
+}
+
+// Places whose nodes are the same four: `weights` are four rows of `stride`, a number for each place.
+CAIRN_SIMD_CLONES void combine_run(const double* weights, std::size_t stride, const PlanePoint* p,
+                                   std::size_t count, double* out) {
+  const double *a = weights, *b = a + stride, *c = b + stride, *d = c + stride;
+  for (std::size_t i = 0; i < count; ++i) {
+    out[2 * i] = a[i] * p[0].x + b[i] * p[1].x + c[i] * p[2].x + d[i] * p[3].x;
+    out[2 * i + 1] = a[i] * p[0].y + b[i] * p[1].y + c[i] * p[2].y + d[i] * p[3].y;
+  }
+}
+
+PlanePoint combine(const Weights& w, const PlanePoint* p, std::size_t stride) {
+  PlanePoint sum;
+  for (std::size_t k = 0; k < 4; ++k) {
+    sum.x += w[k] * p[k * stride].x;
+    sum.y += w[k] * p[k * stride].y;
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::int64_t projection_mesh_step(double places_per_degree) {
+  // The error in places grows with the step's fourth power and falls with the third of the places' number.
+  if (places_per_degree >= 8192) return 64;
+  return std::clamp<std::int64_t>(static_cast<std::int64_t>(places_per_degree / 16), 1, 16);
+}
+
+ProjectionMesh::ProjectionMesh(IndexWindow places, std::int64_t step, const Map& map)
+    : places_(places), step_(step), nodes_{nodes_around(places.x, step), nodes_around(places.y, step)} {
+  assert(step > 0);
+  points_.reserve(static_cast<std::size_t>(nodes_.count()));
+  for (std::int64_t y = nodes_.y.first; y <= nodes_.y.last; ++y) {
+    for (std::int64_t x = nodes_.x.first; x <= nodes_.x.last; ++x) points_.push_back(map(x * step, y * step));
+  }
+  weights_.resize(static_cast<std::size_t>(4 * step));
+  for (std::int64_t i = 0; i < step; ++i) {
+    const Weights at = lagrange(static_cast<double>(i) / static_cast<double>(step));
+    for (std::size_t k = 0; k < 4; ++k)
+      weights_[k * static_cast<std::size_t>(step) + static_cast<std::size_t>(i)] = at[k];
+  }
+}
+
+ProjectionMesh::Stencil ProjectionMesh::stencil_of(std::int64_t place) const {
+  const std::int64_t below = floor_divide(place, step_);
+  return {below - 1, lagrange(static_cast<double>(place - below * step_) / static_cast<double>(step_))};
+}
+
+void ProjectionMesh::row(std::int64_t y, std::span<PlanePoint> out) const {
+  assert(places_.y.holds(y) && out.size() == static_cast<std::size_t>(places_.x.count()));
+  static_assert(sizeof(PlanePoint) == 2 * sizeof(double));
+  const Stencil up = stencil_of(y);
+  const auto columns = static_cast<std::size_t>(nodes_.x.count());
+  std::vector<PlanePoint> nodes(columns);
+  const PlanePoint* corner = &points_[nodes_.offset(nodes_.x.first, up.first)];
+  for (std::size_t c = 0; c < columns; ++c) nodes[c] = combine(up.weights, corner + c, columns);
+  const auto step = static_cast<std::size_t>(step_);
+  for (std::int64_t x = places_.x.first; x <= places_.x.last;) {
+    const std::int64_t below = floor_divide(x, step_),
+                       next = std::min((below + 1) * step_, places_.x.last + 1);
+    combine_run(&weights_[static_cast<std::size_t>(x - below * step_)], step,
+                &nodes[static_cast<std::size_t>(below - 1 - nodes_.x.first)],
+                static_cast<std::size_t>(next - x), &out[static_cast<std::size_t>(x - places_.x.first)].x);
+    x = next;
+  }
+}
+
+}  // namespace cairn

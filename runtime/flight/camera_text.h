@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string_view>
+
+#include <glm/vec3.hpp>
+
+#include "format/status.h"
+#include "runtime/view/view_state.h"
+
+namespace cairn::viewer {
+
+/// usage names the option, what it expects and what it found.
+Result<ViewState> parse_camera(std::string_view text);
+struct Size {
+  int width = 0;
+  int height = 0;
+};
+Result<Size> parse_size(std::string_view text);
+/// One of the eight corners of the colour cube, by its name: "magenta".
+Result<glm::vec3> parse_colour(std::string_view text);
+
+}  // namespace cairn::viewer

@@ -1,0 +1,91 @@
+#include "runtime/lod/mesh/screen_error_budget.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <glm/vec2.hpp>
+
+#include "runtime/view/geodesy.h"
+#include "runtime/view/view_state.h"
+
+namespace cairn {
+namespace {
+
+/// Radians between the ellipsoid's normal under a point and the gradient of its equation there: e²h/2a, at
+/// most, less than this within 20 km of it.
+constexpr double kNormalTilt = 2e-5;
+
+/// The ellipsoid's normal turns by a radian over no less than this: its least radius of curvature, a(1−e²),
+/// from 15 km below.
+constexpr double kNormalTurn_m = 6.32e6;
+
+/// Up, where the ellipsoid's normal goes through the point.
+glm::dvec3 up_at(const glm::dvec3& point) {
+  constexpr double a = kEquatorialRadius, b = kPolarRadius;
+  return glm::normalize(point / glm::dvec3(a * a, a * a, b * b));
+}
+
+/// A sphere is small where its radius is at most this share of its depth: what is asked for its nearest point
+/// is a thirtieth more than for its middle, then.
+constexpr double kSmall = 1.0 / 32;
+
+}  // namespace
+
+ScreenErrorBudget::ScreenErrorBudget(const LodView& view, double lowest_m)
+    : horizon_(camera_frame(view.view).position, Occluder(lowest_m)), tolerance_px_(view.tolerance_px) {
+  const CameraFrame camera = camera_frame(view.view);
+  eye_ = camera.position;
+  forward_ = camera.forward;
+  right_ = camera.right;
+  up_ = camera.up;
+  const double high = std::tan(glm::radians(view.view.fov_y_deg) / 2);
+  const double wide = high * view.view.viewport_width_px / view.view.viewport_height_px;
+  inward_ = {glm::normalize(camera.forward * wide + camera.right),
+             glm::normalize(camera.forward * wide - camera.right),
+             glm::normalize(camera.forward * high + camera.up),
+             glm::normalize(camera.forward * high - camera.up)};
+  focal_px_ = view.view.viewport_height_px / (2 * high);
+  corner_cosine_ = 1 / std::hypot(1.0, high, wide);
+}
+
+ScreenErrorBudget::Scale ScreenErrorBudget::scale_of(const SquareSphere& sphere) const {
+  return scale_of(sphere, up_at(sphere.centre));
+}
+
+ScreenErrorBudget::Scale ScreenErrorBudget::scale_of(const SquareSphere& sphere, const glm::dvec3& up) const {
+  const glm::dvec3 to = sphere.centre - eye_;
+  const double distance = glm::length(to), radius = sphere.radius_m, far = distance + radius;
+  Scale scale;
+  scale.depth_m = std::max(glm::dot(to, forward_) - radius, (distance - radius) * corner_cosine_);
+  if (scale.depth_m <= 0) return scale;
+  const double z = glm::dot(to, forward_), up_z = glm::dot(up, forward_);
+  const glm::dvec2 across{z * glm::dot(up, right_) - glm::dot(to, right_) * up_z,
+                          z * glm::dot(up, up_) - glm::dot(to, up_) * up_z};
+  const double beside = glm::length(across) + radius + far * (radius / kNormalTurn_m + kNormalTilt);
+  scale.any_px = focal_px_ * std::min(1 / corner_cosine_, far / scale.depth_m);
+  scale.vertical_px = std::min(scale.any_px, focal_px_ * beside / scale.depth_m);
+  scale.is_small = radius <= kSmall * scale.depth_m;
+  return scale;
+}
+
+ScreenErrorBudget::Scale ScreenErrorBudget::scale_from(double distance_m) const {
+  const double px = focal_px_ / corner_cosine_;
+  return {distance_m * corner_cosine_, px, px, false};
+}
+
+ScreenErrorBudget::Room ScreenErrorBudget::room_of(const Scale& scale) const {
+  if (scale.depth_m <= 0) return {-1, 0};
+  const double per_px = 1 / (scale.vertical_px + tolerance_px_);
+  return {tolerance_px_ * scale.depth_m * per_px, (scale.any_px + tolerance_px_) * per_px};
+}
+
+bool ScreenErrorBudget::sees(const SquareSphere& sphere) const {
+  const glm::dvec3 to = sphere.centre - eye_;
+  return std::all_of(inward_.begin(), inward_.end(),
+                     [&](const glm::dvec3& n) { return glm::dot(n, to) >= -sphere.radius_m; }) &&
+         !horizon_.hides(sphere.centre, sphere.radius_m);
+}
+
+}  // namespace cairn

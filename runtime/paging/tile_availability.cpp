@@ -1,0 +1,78 @@
+#include "runtime/paging/tile_availability.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace cairn {
+namespace {
+
+/// The tiles of a layer's coarsest level: the index ascends by layer and level, and may be long.
+std::vector<IndexEntry> coarsest_tiles(const PackReader& pack, Layer layer) {
+  std::size_t begin = 0;
+  for (std::size_t end = pack.entry_count(); begin < end;) {
+    const std::size_t middle = begin + (end - begin) / 2;
+    if (pack.entry(middle).layer < layer)
+      begin = middle + 1;
+    else
+      end = middle;
+  }
+  std::vector<IndexEntry> tiles;
+  for (std::size_t i = begin; i < pack.entry_count(); ++i) {
+    const IndexEntry entry = pack.entry(i);
+    if (entry.layer != layer || entry.id.level != pack.entry(begin).id.level) break;
+    tiles.push_back(entry);
+  }
+  return tiles;
+}
+
+}  // namespace
+
+TileAvailability::TileAvailability(std::shared_ptr<const PackReader> pack)
+    : pack_(std::move(pack)),
+      heights_(pack_->levels(Layer::heights)),
+      imagery_(pack_->levels(Layer::imagery)) {
+  for (const IndexEntry& tile : coarsest_tiles(*pack_, Layer::heights)) {
+    // A finer tile may go below its ancestor by the ancestor's error.
+    const double error = static_cast<double>(tile.geometric_error_m);
+    lowest_m_ = std::min(lowest_m_, tile.min_quanta * pack_->header().quantum_m - error);
+    note_ancestors(tile.id);
+  }
+  for (const IndexEntry& tile : coarsest_tiles(*pack_, Layer::imagery)) note_ancestors(tile.id);
+  lowest_m_ =
+      std::max(lowest_m_, -20000.0);  // deeper than any ground: a wrong error must not void the horizon
+}
+
+void TileAvailability::note_ancestors(TileId id) {
+  while (id.level > kMinLevel && above_.insert(parent_of(id)).second) id = parent_of(id);
+}
+
+PackReader::LevelRange TileAvailability::levels() const {
+  PackReader::LevelRange all{kMinLevel, kMinLevel};
+  if (heights_) all.finest = std::max(all.finest, heights_->finest);
+  if (imagery_) all.finest = std::max(all.finest, imagery_->finest);
+  return all;
+}
+
+bool TileAvailability::has(Layer layer, const TileId& id) const {
+  const auto& levels = range(layer);
+  if (!levels || id.level < levels->coarsest || id.level > levels->finest) return false;
+  return pack_->find_index(layer, id).has_value() && !damaged_.contains({layer, id});
+}
+
+std::optional<IndexEntry> TileAvailability::nearest(Layer layer, const TileId& id) const {
+  const auto& levels = range(layer);
+  if (!levels) return std::nullopt;
+  for (int level = std::min(id.level, levels->finest); level >= levels->coarsest; --level) {
+    const TileId ancestor = ancestor_of(id, level);
+    if (has(layer, ancestor)) return pack_->find(layer, ancestor);
+  }
+  return std::nullopt;
+}
+
+double TileAvailability::ceiling_m(LonLat place) const {
+  if (!heights_) return 0;
+  const auto entry = pack_->find_nearest(Layer::heights, tile_at(place, heights_->finest));
+  return entry ? entry->max_quanta * pack_->header().quantum_m : 0;
+}
+
+}  // namespace cairn

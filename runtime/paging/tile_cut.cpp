@@ -1,0 +1,64 @@
+#include "runtime/paging/tile_cut.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+
+#include "runtime/paging/tile_availability.h"
+
+namespace cairn {
+namespace {
+
+bool contains(const TileId& outer, const TileId& inner) {
+  return outer.level <= inner.level && ancestor_of(inner, outer.level) == outer;
+}
+
+std::size_t count_inside(const TileId& outer, const TileCut& cover, std::size_t first) {
+  std::size_t end = first;
+  while (end < cover.size() && contains(outer, cover[end].area)) ++end;
+  return end - first;
+}
+
+}  // namespace
+
+CutNode make_cover_tile(const TileId& area, const TileAvailability& contents, const Occluder& occluder,
+                        const TileCut& known) {
+  CutNode tile{area, contents.nearest(Layer::heights, area), contents.nearest(Layer::imagery, area), {}};
+  const auto same = std::lower_bound(
+      known.begin(), known.end(), area,
+      [](const CutNode& other, const TileId& wanted) { return depth_first_before(other.area, wanted); });
+  if (same != known.end() && same->shows_same(tile)) return *same;
+  const double quantum = contents.pack().header().quantum_m;
+  const double low = tile.heights ? tile.heights->min_quanta * quantum : 0;
+  const double high = tile.heights ? tile.heights->max_quanta * quantum : 0;
+  tile.volume = bounding_volume(tile_bounds(area), low, high, occluder);
+  return tile;
+}
+
+bool depth_first_before(const TileId& a, const TileId& b) {
+  const int level = std::min(a.level, b.level);
+  const TileId u = ancestor_of(a, level), v = ancestor_of(b, level);
+  const auto dx = static_cast<std::uint32_t>(u.x ^ v.x), dy = static_cast<std::uint32_t>(u.y ^ v.y);
+  // The quadrants part where the highest bit differs, and there north-south decides before east-west.
+  return std::bit_width(dx) > std::bit_width(dy) ? u.x < v.x : u.y < v.y;
+}
+
+std::vector<CutChange> changes_between(const TileCut& before, const TileCut& after) {
+  std::vector<CutChange> changes;
+  std::size_t i = 0, j = 0;
+  while (i < before.size() && j < after.size()) {
+    CutChange change{i, 1, j, 1};
+    if (before[i].area.level <= after[j].area.level) {
+      change.new_count = count_inside(before[i].area, after, j);
+    } else {
+      change.old_count = count_inside(after[j].area, before, i);
+    }
+    assert(change.old_count > 0 && change.new_count > 0);
+    if (!before[i].shows_same(after[j])) changes.push_back(change);
+    i += change.old_count;
+    j += change.new_count;
+  }
+  return changes;
+}
+
+}  // namespace cairn

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+
+#include "format/tile_id.h"
+#include "runtime/view/view_state.h"
+
+namespace cairn {
+
+/// The level, as a real number, whose samples are a pixel apart seen from this far: log2 of (a degree of
+/// meridian / (tile_size - 1)) / pixel_footprint_m. Below a metre counts as a metre.
+double level_for_pixel_size(const ViewState& view, double distance_m, int tile_size);
+
+/// Finds the eye's tile, and holds it while the eye hovers on a border.
+///
+/// The level is the first that is no coarser than a pixel, within the levels that there are. It is held while
+/// the ideal level stays within `level_margin` of the interval that chose it, and the tile is held while the
+/// eye stays within `tile_margin` tile widths of it. So:
+/// - an eye that stays in a box of `tile_margin` tile widths and a band of `level_margin` levels (a factor of
+///   2^level_margin in height above ground) changes its level once at most and its tile at most once besides,
+///   however it moves in there;
+/// - the eye is never more than `tile_margin` tile widths outside the tile that the map is built for.
+/// Margins of 0 hold nothing.
+class FocusTile {
+ public:
+  /// REQUIRES: 0 <= tile_margin < 1, 0 <= level_margin < 1.
+  FocusTile(double tile_margin, double level_margin);
+
+  /// REQUIRES: kMinLevel <= coarsest <= finest <= kMaxLevel.
+  TileId update(LonLat eye, double ideal_level, int coarsest, int finest);
+
+ private:
+  int level_for(double ideal_level, int coarsest, int finest) const;
+  bool holds(LonLat eye) const;
+
+  double tile_margin_;
+  double level_margin_;
+  std::optional<TileId> held_;
+};
+
+}  // namespace cairn

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace cairn::viewer {
+
+/// What the command line of cairn-view asks for.
+struct Options {
+  std::filesystem::path pack;
+  std::string camera;  ///< "LON,LAT,ALT,HEADING,PITCH"; empty: the pack's bounds fill the view
+  double fov_deg = 45;
+  std::string size = "1280x720";
+  std::filesystem::path screenshot;
+  std::filesystem::path flight;
+  std::filesystem::path frames;
+  std::filesystem::path video;
+  std::filesystem::path stats;
+  std::string hole_colour;
+  double hour = 10;
+  double tolerance_px = 1;
+  std::string method;  ///< of lod_methods(); empty: the renderer's own mesh
+  std::uint64_t cache_mib = 512;
+  bool no_fog = false;
+  bool wireframe = false;
+  bool levels = false;
+  bool no_draw = false;
+
+  bool is_headless() const {
+    return !screenshot.empty() || !frames.empty() || !video.empty() || !stats.empty();
+  }
+};
+
+}  // namespace cairn::viewer

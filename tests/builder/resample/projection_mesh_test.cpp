@@ -1,0 +1,59 @@
+#include "builder/resample/projection_mesh.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "builder/raster/georeference.h"
+
+namespace cairn {
+
+TEST_CASE("a mesh of the projection is within 1e-4 post of it at any latitude") {
+  for (const double lat : {-79.0, -33.0, 0.5, 46.2, 70.0, 83.5}) {
+    for (const double samples_per_degree : {128.0, 2048.0, 16384.0}) {
+      for (const auto crs : {Georeference::Crs::utm, Georeference::Crs::web_mercator}) {
+        Georeference g{crs, 33, true, 0, 0, 111000 / samples_per_degree, -111000 / samples_per_degree};
+        const auto post_at = [&](std::int64_t x, std::int64_t y) {
+          const auto post = g.post_at({static_cast<double>(x) / samples_per_degree - 180,
+                                       static_cast<double>(y) / samples_per_degree - 90});
+          return PlanePoint{post.column, post.row};
+        };
+        const auto x = static_cast<std::int64_t>(197.2 * samples_per_degree);
+        const auto y = static_cast<std::int64_t>((lat + 90) * samples_per_degree);
+        const IndexWindow window{{x, x + 60}, {y, y + 60}};
+        const ProjectionMesh mesh(window, projection_mesh_step(samples_per_degree), post_at);
+        std::vector<PlanePoint> row(61);
+        for (std::int64_t j = y; j <= y + 60; j += 7) {
+          mesh.row(j, row);
+          for (std::int64_t i = x; i <= x + 60; ++i) {
+            const PlanePoint exact = post_at(i, j);
+            const PlanePoint& near = row[static_cast<std::size_t>(i - x)];
+            CAPTURE(lat, samples_per_degree, i - x, j - y);
+            REQUIRE(std::hypot(near.x - exact.x, near.y - exact.y) < 1e-4);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("a mesh gives the same places in every window") {
+  const auto map = [](std::int64_t x, std::int64_t y) {
+    return PlanePoint{std::sin(static_cast<double>(x) / 300), std::cos(static_cast<double>(x + 2 * y) / 500)};
+  };
+  const IndexWindow wide{{-100, 200}, {-50, 90}};
+  const IndexWindow narrow{{-37, 11}, {3, 20}};
+  const ProjectionMesh a(wide, 16, map);
+  const ProjectionMesh b(narrow, 16, map);
+  std::vector<PlanePoint> row_a(301), row_b(49);
+  for (std::int64_t y = 3; y <= 20; ++y) {
+    a.row(y, row_a);
+    b.row(y, row_b);
+    for (std::size_t i = 0; i < 49; ++i) {
+      REQUIRE(row_a[i + 63].x == row_b[i].x);
+      REQUIRE(row_a[i + 63].y == row_b[i].y);
+    }
+  }
+}
+
+}  // namespace cairn
