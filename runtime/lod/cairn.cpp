@@ -36,6 +36,7 @@
 #include <memory>
 #include <optional>
 
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/prepared_tiles.h"

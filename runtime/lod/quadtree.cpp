@@ -25,6 +25,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/remove_t_junctions.h"

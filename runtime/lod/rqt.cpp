@@ -23,6 +23,7 @@
 
 #include "format/rqt_block.h"
 #include "format/rqt_triangulate.h"
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/patches.h"

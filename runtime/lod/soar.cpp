@@ -23,6 +23,7 @@
 #include <glm/geometric.hpp>
 
 #include "format/rqt_steps.h"
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/grid_positions.h"
