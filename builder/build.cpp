@@ -7,6 +7,7 @@
 #include <tbb/task_arena.h>
 
 #include "builder/bake/bake_session.h"
+#include "builder/bake/bake_target.h"
 #include "builder/bake/fingerprint.h"
 #include "builder/bake/layer_bake.h"
 #include "builder/bake/memory_budget.h"
@@ -20,14 +21,6 @@
 
 namespace cairn {
 namespace {
-
-Status check_target(const BuildOptions& options) {
-  std::error_code error;
-  if (!options.force && std::filesystem::exists(options.target, error)) {
-    return usage_error(options.target.string() + ": expected no such file, found one; --force replaces it");
-  }
-  return {};
-}
 
 PackHeader header_for(const BakePlan& layers, const BuildOptions& options) {
   PackHeader header;
@@ -150,6 +143,7 @@ Result<BuildReport> build(const BuildOptions& options, const ProgressCallback& p
 
 Result<DryRun> dry_run(const BuildOptions& options) {
   return with_threads(options.threads, [&](int threads) -> Result<DryRun> {
+    if (auto status = check_target_is_no_input(options); !status) return status.error();
     const auto layers = plan_bake(options, threads);
     if (!layers) return layers.error();
     DryRun dry;

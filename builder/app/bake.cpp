@@ -10,7 +10,9 @@
 #include "builder/app/bake_report.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
+#include "builder/bake/journal.h"
 #include "builder/bake/memory_budget.h"
+#include "builder/bake/output_check.h"
 #include "builder/build.h"
 #include "builder/raster/expand_inputs.h"
 #include "builder/raster/raster_source.h"
@@ -85,9 +87,41 @@ Result<BuildOptions> options_from(const BakeArguments& arguments) {
   return options;
 }
 
+/// The report is written last, and must then neither be refused nor take the place of something else.
+Status check_report(const std::string& report, const BuildOptions& options) {
+  if (report.empty()) return {};
+  std::vector<std::filesystem::path> others = options.inputs;
+  others.insert(others.end(), options.imagery.inputs.begin(), options.imagery.inputs.end());
+  if (options.geoid) others.push_back(*options.geoid);
+  for (const char* suffix : {"", ".part", ".journal"}) {
+    others.push_back(std::filesystem::path(options.target).concat(suffix));
+    if (std::filesystem::path(report).lexically_normal() == others.back().lexically_normal())
+      return usage_error(report + ": report: expected a name of its own, found the target's");
+  }
+  if (auto status = check_is_no_input(report, others); !status) return status;
+  if (auto status = check_can_be_file(report); !status) return status;
+  std::error_code ignored;
+  if (std::filesystem::file_size(report, ignored) == 0) return {};
+  std::ifstream there(report);
+  char first = 0;
+  if (!there || !(there >> first) || first == '{') return {};
+  return usage_error(report + ": report: expected no such file or a report to replace, found another file");
+}
+
+/// Says so where a bake that failed leaves work to go on from.
+Error with_what_is_kept(Error error, const BuildOptions& options) {
+  const bool work_failed =
+      error.code == ErrorCode::failed || (options.resume && error.code != ErrorCode::usage);
+  if (work_failed && Journal::fingerprint_of(options.target))
+    error.message += fmt::format("; what is baked stays in {}.part, and --resume goes on from there",
+                                 options.target.string());
+  return error;
+}
+
 Status bake(const BakeArguments& arguments) {
   const auto options = options_from(arguments);
   if (!options) return options.error();
+  if (auto status = check_report(arguments.report, *options); !status) return status;
   if (arguments.dry_run) {
     const auto dry = dry_run(*options);
     if (!dry) return dry.error();
@@ -96,7 +130,7 @@ Status bake(const BakeArguments& arguments) {
   }
   BakeProgress progress;
   const auto report = build(*options, [&](const Progress& p) { progress.show(p); });
-  if (!report) return report.error();
+  if (!report) return with_what_is_kept(report.error(), *options);
   if (!report->warning.empty()) fmt::print(stderr, "cairn: warning: {}\n", report->warning);
   return print_bake_report(*report, *options, arguments.report, arguments.json);
 }

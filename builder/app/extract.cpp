@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "builder/app/export_target.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
 #include "builder/export/height_image.h"
@@ -85,6 +86,8 @@ int run_extract(const ExtractOptions& options) {
   if (!id) return report_error(usage_error("tile: expected L/X/Y of the grid, found " + options.tile));
   const Result<PackReader> pack = PackReader::open(options.pack);
   if (!pack) return report_error(pack.error());
+  if (const Status status = check_export_target(options.output, *pack); !status)
+    return report_error(status.error());
   if (const Status status = extract(*pack, *id, options); !status) return report_error(status.error());
   const int side = pack->header().tile_size - (imagery ? 1 : 0);
   const GeoBounds b = tile_bounds(*id);

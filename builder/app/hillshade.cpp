@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "builder/app/export_target.h"
 #include "builder/app/pack_metadata.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
@@ -198,6 +199,8 @@ int run_hillshade(const HillshadeOptions& options) {
   if (!pack) return report_error(pack.error());
   const Result<Plan> plan = make_plan(options, *pack);
   if (!plan) return report_error(plan.error());
+  if (const Status status = check_export_target(options.output, *pack); !status)
+    return report_error(status.error());
   if (const Status status = draw(*pack, *plan, options.output); !status) return report_error(status.error());
   const GeoBounds& r = plan->region;
   if (options.json) {

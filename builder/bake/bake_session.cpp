@@ -61,10 +61,7 @@ Result<BakeSession> resume(const BuildOptions& options, const PackHeader& header
   auto writer = PackWriter::reopen(options.target, header, entries);
   if (!writer) return writer.error();
   auto journal = Journal::reopen(options.target, done);
-  if (!journal) {
-    writer->abandon();
-    return journal.error();
-  }
+  if (!journal) return journal.error();
   return BakeSession{std::move(*writer), std::move(*journal), std::move(done), std::nullopt, true};
 }
 
@@ -76,6 +73,10 @@ Result<BakeSession> begin_session(const BuildOptions& options, const PackHeader&
     return begin(options, header);
   const auto hashes = hash_inputs(options);
   if (!hashes) return hashes.error();
+  const auto theirs = Journal::fingerprint_of(options.target);
+  if (theirs && *theirs != print_of(options, *hashes) && !options.force)
+    return usage_error(Journal::path_for(options.target).string() +
+                       ": expected a bake of these inputs and options, found another's; --force discards it");
   std::vector<UnitRecord> done = whole_units(std::filesystem::path(options.target).concat(".part"),
                                              Journal::read(options.target, print_of(options, *hashes)));
   auto session = done.empty() ? begin(options, header) : resume(options, header, std::move(done));
@@ -93,7 +94,7 @@ InputHashing::InputHashing(const BuildOptions& options, BakeSession& session)
 }
 
 InputHashing::~InputHashing() {
-  if (!options_.resume) tasks_.cancel();
+  if (!session_.kept && !options_.resume) tasks_.cancel();
   tasks_.wait();
   const OrderedTurn turn(order_);
 }
@@ -112,10 +113,8 @@ Result<std::vector<std::uint64_t>> InputHashing::hashes() {
 }
 
 Error discard(const BuildOptions& options, BakeSession& session, Error error) {
-  if (options.resume) {
-    error.message += "; --resume goes on from here";
-    return error;
-  }
+  session.kept = options.resume || (error.code == ErrorCode::failed && !session.journal.is_empty());
+  if (session.kept) return error;
   session.writer.abandon();
   remove_journal(options.target);
   return error;

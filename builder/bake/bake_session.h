@@ -23,10 +23,12 @@ struct BakeSession {
   std::vector<UnitRecord> done;
   std::optional<std::vector<std::uint64_t>> input_hashes;  ///< where the journal of another try needed them
   bool resumed = false;
+  bool kept = false;  ///< the work stays although the bake failed
 };
 
 /// With `options.resume`, and a journal of the same inputs and options beside the target: goes on after the
-/// last unit whose blocks are whole, each checked by its checksum. Else starts anew.
+/// last unit whose blocks are whole, each checked by its checksum. Else starts anew. Work of other inputs or
+/// options is wrong usage, unless `options.force` is set.
 Result<BakeSession> begin_session(const BuildOptions& options, const PackHeader& header);
 
 /// Hashes the inputs (DEMs, images, the geoid) on the caller's arena while the bake goes on, and lets the
@@ -35,7 +37,7 @@ class InputHashing {
  public:
   /// Starts. REQUIRES: options and session outlive it and stay where they are.
   InputHashing(const BuildOptions& options, BakeSession& session);
-  /// Waits where the work may be resumed: without the hashes it could not be.
+  /// Waits where the work is kept: without the hashes nothing could go on from it.
   ~InputHashing();
   InputHashing(const InputHashing&) = delete;
   InputHashing& operator=(const InputHashing&) = delete;
@@ -53,8 +55,9 @@ class InputHashing {
   tbb::task_group tasks_;
 };
 
-/// After an error: with `options.resume` the work stays for another try, else it is removed. Returns the
-/// error.
+/// Ends a session that failed, and returns the error. What is baked stays for another try where it can serve
+/// one: with `options.resume`, or where units are done and the inputs were not at fault (a full disk, an
+/// error bound that was not kept). Else the bake's own files are removed.
 Error discard(const BuildOptions& options, BakeSession& session, Error error);
 
 void remove_journal(const std::filesystem::path& target);

@@ -1,9 +1,7 @@
 #include "builder/bake/journal.h"
 
-#include <array>
 #include <cassert>
 #include <cstring>
-#include <optional>
 
 #include "format/bytes.h"
 #include "format/checksum.h"
@@ -11,8 +9,7 @@
 namespace cairn {
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'C', 'A', 'I', 'R', 'N', 'J', 'N', '2'};
-constexpr std::size_t kHeaderBytes = kMagic.size() + sizeof(std::uint64_t);
+constexpr std::size_t kHeaderBytes = Journal::kMagic.size() + sizeof(std::uint64_t);
 constexpr std::size_t kRecordHeaderBytes = 2 * sizeof(std::uint64_t);
 
 std::vector<std::byte> encode(const std::vector<IndexEntry>& entries) {
@@ -90,17 +87,23 @@ Result<Journal> Journal::reopen(const std::filesystem::path& target, const std::
   return journal;
 }
 
+std::optional<std::uint64_t> Journal::fingerprint_of(const std::filesystem::path& target) {
+  const auto file = File::open_to_read(path_for(target));
+  if (!file) return std::nullopt;
+  const std::uint64_t size = file->size().ok() ? *file->size() : 0;
+  std::array<std::byte, kHeaderBytes> header{};
+  if (size <= kHeaderBytes || !file->read(0, header)) return std::nullopt;
+  ByteReader reader(header);
+  if (std::memcmp(reader.take(kMagic.size()).data(), kMagic.data(), kMagic.size()) != 0) return std::nullopt;
+  return reader.read<std::uint64_t>();
+}
+
 std::vector<UnitRecord> Journal::read(const std::filesystem::path& target, std::uint64_t fingerprint) {
   std::vector<UnitRecord> records;
+  if (fingerprint_of(target) != fingerprint) return records;
   const auto file = File::open_to_read(path_for(target));
   if (!file) return records;
   const std::uint64_t size = file->size().ok() ? *file->size() : 0;
-  std::array<std::byte, kHeaderBytes> header{};
-  if (size < kHeaderBytes || !file->read(0, header)) return records;
-  ByteReader reader(header);
-  if (std::memcmp(reader.take(kMagic.size()).data(), kMagic.data(), kMagic.size()) != 0) return records;
-  if (reader.read<std::uint64_t>() != fingerprint) return records;
-
   for (auto record = read_record(*file, size, kHeaderBytes); record;
        record = read_record(*file, size, records.back().end)) {
     record->root = {};
@@ -113,6 +116,10 @@ Result<std::vector<std::byte>> Journal::read_root(const UnitRecord& record) cons
   auto whole = read_record(file_, record.end, record.start);
   if (!whole) return bad_data(file_.path().string() + ": a record: expected it as it was, found it damaged");
   return std::move(whole->root);
+}
+
+bool Journal::is_empty() const {
+  return end_ <= kHeaderBytes;
 }
 
 // The root is written from where it is: it may be most of a megabyte.

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "format/file.h"
@@ -22,6 +24,9 @@ struct UnitRecord {
 /// interrupted bake can go on after the last one. Removed when the pack is whole.
 class Journal {
  public:
+  /// The first bytes of a journal that is identified.
+  static constexpr std::array<char, 8> kMagic = {'C', 'A', 'I', 'R', 'N', 'J', 'N', '2'};
+
   /// The file's name for a target.
   static std::filesystem::path path_for(const std::filesystem::path& target);
 
@@ -36,6 +41,10 @@ class Journal {
   /// read().
   static Result<Journal> reopen(const std::filesystem::path& target, const std::vector<UnitRecord>& records);
 
+  /// The fingerprint of an interrupted bake that has work to go on from; nullopt where there is no journal,
+  /// it was not identified, or it holds no record.
+  static std::optional<std::uint64_t> fingerprint_of(const std::filesystem::path& target);
+
   /// The records of an interrupted bake with this fingerprint, up to the first that is not whole, without
   /// their roots: those of a large bake would fill the memory. Empty where there is no journal or it belongs
   /// to another bake.
@@ -45,6 +54,9 @@ class Journal {
   Result<std::vector<std::byte>> read_root(const UnitRecord& record) const;
 
   Status append(const UnitRecord& record);
+
+  /// Returns whether it holds no record yet.
+  bool is_empty() const;
 
  private:
   explicit Journal(File file) : file_(std::move(file)) {}

@@ -7,10 +7,6 @@
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-#include <signal.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "tests/support/run_program.h"
 #include "tests/support/test_data.h"
@@ -172,23 +168,12 @@ TEST_CASE("damaged and lying inputs are refused with nothing left behind") {
   try_bytes("garbage.dt1", std::vector<std::byte>(100000, std::byte{0x55}));
 }
 
-TEST_CASE("a full disk fails in one line and leaves nothing") {
+TEST_CASE("a disk that is full before a unit is done fails the bake in one line and leaves nothing") {
   const test::TempDir dir;
   const std::string out = (dir.path() / "a.cairn").string();
-  const pid_t child = ::fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
-    const rlimit limit{64 * 1024, 64 * 1024};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-    ::signal(SIGXFSZ, SIG_IGN);  // then writes past the limit fail, as on a full disk
-    (void)!::freopen("/dev/null", "w", stderr);
-    ::execl(CAIRN_PROGRAM, CAIRN_PROGRAM, "bake", jacksboro().c_str(), "-o", out.c_str(), nullptr);
-    ::_exit(127);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  CHECK(WIFEXITED(status));
-  CHECK(WEXITSTATUS(status) == 1);
+  const Ran ran = test::run_cairn_on_full_disk({"bake", jacksboro(), "-o", out}, 64 * 1024);
+  CHECK(ran.exit_code == 1);
+  CHECK(is_one_line(ran.err));
   CHECK(files_in(dir.path()) == 0);
 }
 

@@ -8,6 +8,7 @@
 #include <catch2/catch.hpp>
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,7 +23,8 @@ void redirect(int descriptor, const std::filesystem::path& path, int flags) {
 }
 
 // Its stdin, stdout and stderr are files of that folder.
-pid_t start(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
+pid_t start(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+            std::size_t most_file_bytes = RLIM_INFINITY) {
   std::vector<std::string> words{CAIRN_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -34,10 +36,25 @@ pid_t start(const std::vector<std::string>& arguments, const std::filesystem::pa
     redirect(0, folder / "in", O_RDONLY);
     redirect(1, folder / "out", O_WRONLY | O_CREAT);
     redirect(2, folder / "err", O_WRONLY | O_CREAT);
+    if (most_file_bytes != RLIM_INFINITY) {
+      const rlimit limit{most_file_bytes, most_file_bytes};
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+      ::signal(SIGXFSZ, SIG_IGN);
+    }
     ::execv(argv[0], argv.data());
     ::_exit(127);
   }
   return child;
+}
+
+Ran run(const std::vector<std::string>& arguments, const std::string& input, std::size_t most_file_bytes) {
+  const TempDir dir;
+  std::ofstream(dir.path() / "in", std::ios::binary) << input;
+  const pid_t child = start(arguments, dir.path(), most_file_bytes);
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(dir.path() / "out"),
+          text_of(dir.path() / "err")};
 }
 
 }  // namespace
@@ -48,13 +65,11 @@ std::string text_of(const std::filesystem::path& path) {
 }
 
 Ran run_cairn(const std::vector<std::string>& arguments, const std::string& input) {
-  const TempDir dir;
-  std::ofstream(dir.path() / "in", std::ios::binary) << input;
-  const pid_t child = start(arguments, dir.path());
-  int status = 0;
-  REQUIRE(::waitpid(child, &status, 0) == child);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(dir.path() / "out"),
-          text_of(dir.path() / "err")};
+  return run(arguments, input, RLIM_INFINITY);
+}
+
+Ran run_cairn_on_full_disk(const std::vector<std::string>& arguments, std::size_t most_bytes) {
+  return run(arguments, "", most_bytes);
 }
 
 bool run_cairn_and_kill(const std::vector<std::string>& arguments, std::chrono::milliseconds after) {

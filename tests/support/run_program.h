@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,6 +16,9 @@ struct Ran {
 
 /// Runs the `cairn` program that was built beside the tests; `input` is its stdin.
 Ran run_cairn(const std::vector<std::string>& arguments, const std::string& input = "");
+
+/// Runs it where no file may grow past so many bytes: writes past them fail, as on a full disk.
+Ran run_cairn_on_full_disk(const std::vector<std::string>& arguments, std::size_t most_bytes);
 
 /// Starts it, and kills it (as kill -9 does) after a while; whether it was still running.
 bool run_cairn_and_kill(const std::vector<std::string>& arguments, std::chrono::milliseconds after);
