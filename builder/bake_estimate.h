@@ -1,6 +1,6 @@
 #pragma once
 
-#include "builder/build.h"
+#include "cairn/build.h"
 #include "builder/heights/height_plan.h"
 #include "builder/mosaic/mosaic.h"
 

@@ -7,7 +7,7 @@
 #include "builder/heights/height_plan.h"
 #include "builder/imagery/imagery_mosaic.h"
 #include "builder/mosaic/mosaic.h"
-#include "builder/options/build_options.h"
+#include "cairn/build_options.h"
 
 namespace cairn {
 

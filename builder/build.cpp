@@ -1,4 +1,4 @@
-#include "builder/build.h"
+#include "cairn/build.h"
 
 #include <chrono>
 #include <system_error>

@@ -6,8 +6,8 @@
 
 #include "builder/bake_plan.h"
 #include "builder/heights/height_layer.h"
-#include "builder/options/build_options.h"
-#include "format/pack_layout.h"
+#include "cairn/build_options.h"
+#include "cairn/pack_layout.h"
 
 namespace cairn {
 

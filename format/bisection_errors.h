@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "format/height_tile.h"
+#include "cairn/height_tile.h"
 
 namespace cairn {
 

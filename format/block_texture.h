@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "format/status.h"
-#include "format/texture_tile.h"
+#include "cairn/status.h"
+#include "cairn/texture_tile.h"
 
 namespace cairn {
 

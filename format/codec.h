@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "format/codec.h"
-#include "format/height_tile.h"
-#include "format/status.h"
+#include "cairn/height_tile.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -1,4 +1,4 @@
-#include "format/height_tile.h"
+#include "cairn/height_tile.h"
 
 #include <algorithm>
 #include <limits>

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "format/height_block.h"
-#include "format/texture_tile.h"
+#include "cairn/texture_tile.h"
 
 namespace cairn {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "format/pack_verify.h"
 #include "format/tile_edges.h"
 

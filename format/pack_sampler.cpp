@@ -1,4 +1,4 @@
-#include "format/pack_sampler.h"
+#include "cairn/pack_sampler.h"
 
 #include <algorithm>
 #include <array>

@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "format/pack_rules.h"
 #include "format/rqt_rules.h"
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "format/pack_layout.h"
-#include "format/status.h"
+#include "cairn/pack_layout.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

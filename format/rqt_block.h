@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "format/rqt_steps.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

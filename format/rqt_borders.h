@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "format/rqt_steps.h"
-#include "format/tile_id.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "format/tile_id.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

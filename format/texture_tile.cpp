@@ -1,4 +1,4 @@
-#include "format/texture_tile.h"
+#include "cairn/texture_tile.h"
 
 #include <cassert>
 #include <string>

@@ -1,4 +1,4 @@
-#include "runtime/terrain.h"
+#include "cairn/terrain.h"
 
 #include <algorithm>
 #include <cassert>
@@ -10,7 +10,7 @@
 #include "runtime/paging/pager.h"
 #include "runtime/paging/tile_availability.h"
 #include "runtime/scene/focus_tile.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 #include "runtime/view/ground_height.h"
 #include "runtime/view/motion_predictor.h"
 

@@ -13,7 +13,7 @@
 #include "builder/bake/journal.h"
 #include "builder/bake/memory_budget.h"
 #include "builder/bake/output_check.h"
-#include "builder/build.h"
+#include "cairn/build.h"
 #include "builder/raster/expand_inputs.h"
 #include "builder/raster/raster_source.h"
 

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "builder/bake/progress.h"
+#include "cairn/progress.h"
 
 namespace cairn {
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "builder/build.h"
+#include "cairn/build.h"
 
 namespace cairn {
 

@@ -16,7 +16,7 @@
 #include "builder/app/verbs.h"
 #include "builder/export/height_image.h"
 #include "builder/export/texture_file.h"
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 
 namespace cairn {
 namespace {

@@ -17,7 +17,7 @@
 #include "builder/app/verbs.h"
 #include "builder/export/hillshade_shading.h"
 #include "builder/export/png_writer.h"
-#include "format/pack_sampler.h"
+#include "cairn/pack_sampler.h"
 
 namespace cairn {
 namespace {

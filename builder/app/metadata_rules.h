@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "format/pack_verify.h"
 
 namespace cairn {

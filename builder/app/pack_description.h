@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 
 namespace cairn {
 

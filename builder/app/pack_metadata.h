@@ -5,7 +5,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 
 namespace cairn {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "format/geo.h"
-#include "format/status.h"
+#include "cairn/geo.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

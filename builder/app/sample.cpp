@@ -14,7 +14,7 @@
 #include "builder/app/points_csv.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
-#include "format/pack_sampler.h"
+#include "cairn/pack_sampler.h"
 
 namespace cairn {
 namespace {

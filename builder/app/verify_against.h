@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "format/pack_verify.h"
 
 namespace cairn {

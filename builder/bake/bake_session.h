@@ -10,9 +10,9 @@
 #include "builder/bake/fingerprint.h"
 #include "builder/bake/journal.h"
 #include "builder/bake/pipeline.h"
-#include "builder/options/build_options.h"
+#include "cairn/build_options.h"
 #include "format/pack_writer.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "builder/options/build_options.h"
-#include "format/status.h"
+#include "cairn/build_options.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "format/file.h"
-#include "format/pack_layout.h"
-#include "format/status.h"
+#include "cairn/pack_layout.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

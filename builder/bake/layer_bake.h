@@ -7,7 +7,7 @@
 
 #include "builder/bake/bake_session.h"
 #include "builder/bake/pipeline.h"
-#include "builder/bake/progress.h"
+#include "cairn/progress.h"
 #include "builder/bake/pyramid.h"
 #include "builder/bake/tile_tree.h"
 #include "format/bytes.h"

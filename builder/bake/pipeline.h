@@ -8,7 +8,7 @@
 
 #include <tbb/parallel_pipeline.h>
 
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "builder/bake/tile_tree.h"
-#include "format/pack_layout.h"
-#include "format/status.h"
+#include "cairn/pack_layout.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "format/tile_id.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "format/height_tile.h"
-#include "format/pack_layout.h"
-#include "format/status.h"
+#include "cairn/height_tile.h"
+#include "cairn/pack_layout.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
-#include "format/pack_reader.h"
-#include "format/status.h"
-#include "format/texture_tile.h"
+#include "cairn/pack_reader.h"
+#include "cairn/status.h"
+#include "cairn/texture_tile.h"
 
 namespace cairn {
 

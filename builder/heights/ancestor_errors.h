@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "builder/heights/geometric_error.h"
-#include "format/height_tile.h"
+#include "cairn/height_tile.h"
 
 namespace cairn {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "format/bytes.h"
-#include "format/geo.h"
+#include "cairn/geo.h"
 
 namespace cairn {
 

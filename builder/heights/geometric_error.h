@@ -7,7 +7,7 @@
 #include "builder/heights/error_stats.h"
 #include "builder/mosaic/sample_window.h"
 #include "builder/mosaic/source_group.h"
-#include "format/height_tile.h"
+#include "cairn/height_tile.h"
 
 namespace cairn {
 

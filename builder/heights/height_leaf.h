@@ -3,7 +3,7 @@
 #include "builder/heights/height_node.h"
 #include "builder/heights/height_plan.h"
 #include "builder/mosaic/mosaic.h"
-#include "builder/options/build_options.h"
+#include "cairn/build_options.h"
 
 namespace cairn {
 

@@ -5,9 +5,9 @@
 
 #include "builder/heights/error_stats.h"
 #include "format/bytes.h"
-#include "format/height_tile.h"
-#include "format/status.h"
-#include "format/tile_id.h"
+#include "cairn/height_tile.h"
+#include "cairn/status.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

@@ -3,8 +3,8 @@
 #include "builder/bake/tile_tree.h"
 #include "builder/heights/geometric_error.h"
 #include "builder/mosaic/mosaic.h"
-#include "builder/options/build_options.h"
-#include "format/tile_id.h"
+#include "cairn/build_options.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

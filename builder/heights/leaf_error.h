@@ -6,7 +6,7 @@
 #include "builder/heights/ancestor_errors.h"
 #include "builder/heights/error_stats.h"
 #include "builder/heights/geometric_error.h"
-#include "format/height_tile.h"
+#include "cairn/height_tile.h"
 
 namespace cairn {
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "builder/heights/error_stats.h"
-#include "builder/options/build_options.h"
-#include "format/pack_reader.h"
-#include "format/status.h"
+#include "cairn/build_options.h"
+#include "cairn/pack_reader.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "builder/mosaic/mosaic.h"
-#include "builder/options/build_options.h"
-#include "format/height_tile.h"
+#include "cairn/build_options.h"
+#include "cairn/height_tile.h"
 
 namespace cairn {
 

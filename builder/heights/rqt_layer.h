@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include "builder/bake/bake_session.h"
-#include "builder/bake/progress.h"
-#include "format/status.h"
+#include "cairn/progress.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

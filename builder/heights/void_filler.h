@@ -1,6 +1,6 @@
 #pragma once
 
-#include "format/height_tile.h"
+#include "cairn/height_tile.h"
 
 namespace cairn {
 

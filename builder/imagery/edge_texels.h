@@ -6,7 +6,7 @@
 
 #include "builder/imagery/linear_image.h"
 #include "format/bytes.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -5,7 +5,7 @@
 #include "builder/imagery/linear_image.h"
 #include "builder/imagery/texel_window.h"
 #include "builder/raster/raster_source.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -7,7 +7,7 @@
 
 #include "builder/imagery/linear_image.h"
 #include "builder/imagery/texel_window.h"
-#include "builder/options/imagery_options.h"
+#include "cairn/imagery_options.h"
 #include "builder/raster/footprint.h"
 #include "builder/raster/raster_pool.h"
 

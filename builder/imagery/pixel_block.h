@@ -5,7 +5,7 @@
 
 #include "builder/imagery/uninitialized_vector.h"
 #include "builder/raster/raster_source.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "format/tile_id.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "format/block_texture.h"
-#include "format/texture_tile.h"
+#include "cairn/texture_tile.h"
 
 namespace cairn {
 namespace {

@@ -7,8 +7,8 @@
 #include "builder/imagery/edge_texels.h"
 #include "builder/imagery/encoded_mips.h"
 #include "builder/imagery/linear_image.h"
-#include "builder/options/imagery_options.h"
-#include "format/tile_id.h"
+#include "cairn/imagery_options.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

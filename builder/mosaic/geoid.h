@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "builder/mosaic/lattice.h"
-#include "format/geo.h"
-#include "format/status.h"
+#include "cairn/geo.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -7,9 +7,9 @@
 
 #include "builder/mosaic/geoid.h"
 #include "builder/mosaic/source_group.h"
-#include "builder/options/build_options.h"
+#include "cairn/build_options.h"
 #include "builder/raster/raster_pool.h"
-#include "format/tile_id.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

@@ -6,7 +6,7 @@
 
 #include "builder/mosaic/sample_window.h"
 #include "builder/raster/footprint.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

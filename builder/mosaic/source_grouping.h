@@ -5,7 +5,7 @@
 
 #include "builder/mosaic/geoid.h"
 #include "builder/mosaic/source_group.h"
-#include "builder/options/build_options.h"
+#include "cairn/build_options.h"
 #include "builder/raster/raster_pool.h"
 
 namespace cairn {

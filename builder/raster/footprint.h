@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "format/geo.h"
+#include "cairn/geo.h"
 
 namespace cairn {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "format/geo.h"
+#include "cairn/geo.h"
 
 namespace cairn {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "builder/raster/raster_source.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -10,8 +10,8 @@
 
 #include "builder/raster/georeference.h"
 #include "builder/raster/sample_type.h"
-#include "format/geo.h"
-#include "format/status.h"
+#include "cairn/geo.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -9,7 +9,7 @@
 #include "builder/resample/index_window.h"
 #include "builder/resample/post_block.h"
 #include "builder/voids/fill_pyramid.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

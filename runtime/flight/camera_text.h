@@ -4,8 +4,8 @@
 
 #include <glm/vec3.hpp>
 
-#include "format/status.h"
-#include "runtime/view/view_state.h"
+#include "cairn/status.h"
+#include "cairn/view_state.h"
 
 namespace cairn::viewer {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "format/status.h"
+#include "cairn/status.h"
 #include "runtime/gl/gl_handle.h"
 #include "runtime/gl/picture.h"
 

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn::gl {
 

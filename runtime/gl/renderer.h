@@ -7,12 +7,12 @@
 
 #include <glm/vec3.hpp>
 
-#include "format/status.h"
+#include "cairn/status.h"
 #include "runtime/gl/view_transform.h"
 #include "runtime/lod/lod_method.h"
-#include "runtime/render_list.h"
+#include "cairn/render_list.h"
 #include "runtime/surface/height_preparation.h"
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 
 namespace cairn::gl {
 

@@ -7,9 +7,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "format/status.h"
+#include "cairn/status.h"
 #include "runtime/gl/tile_textures.h"
-#include "runtime/render_list.h"
+#include "cairn/render_list.h"
 #include "runtime/surface/height_preparation.h"
 #include "runtime/surface/lod_transition.h"
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <string_view>
 
-#include "format/status.h"
+#include "cairn/status.h"
 #include "runtime/gl/gl_handle.h"
 
 namespace cairn::gl {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "format/texture_tile.h"
+#include "cairn/texture_tile.h"
 #include "runtime/gl/layer_array.h"
 #include "runtime/gl/slot_pool.h"
 #include "runtime/surface/height_preparation.h"

@@ -6,7 +6,7 @@
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn::gl {
 

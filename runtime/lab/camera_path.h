@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "format/status.h"
+#include "cairn/status.h"
 #include "runtime/lab/lab_terrain.h"
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 
 namespace cairn {
 

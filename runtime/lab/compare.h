@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "format/status.h"
+#include "cairn/status.h"
 #include "runtime/lab/camera_path.h"
 #include "runtime/lab/lab_terrain.h"
 #include "runtime/lab/screen_error.h"

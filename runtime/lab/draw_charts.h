@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

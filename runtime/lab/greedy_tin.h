@@ -6,11 +6,11 @@
 
 #include <glm/vec3.hpp>
 
-#include "format/status.h"
+#include "cairn/status.h"
 #include "runtime/lab/lab_terrain.h"
 #include "runtime/lod/lod_method.h"
 #include "runtime/view/sample_lattice.h"
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 
 namespace cairn {
 

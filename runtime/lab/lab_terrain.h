@@ -6,13 +6,13 @@
 #include <unordered_map>
 #include <vector>
 
-#include "format/pack_reader.h"
-#include "format/status.h"
+#include "cairn/pack_reader.h"
+#include "cairn/status.h"
 #include "runtime/lod/lod_method.h"
 #include "runtime/paging/tile_availability.h"
 #include "runtime/scene/focus_tile.h"
 #include "runtime/scene/scene_map.h"
-#include "runtime/view/bounding_volume.h"
+#include "cairn/bounding_volume.h"
 
 namespace cairn {
 

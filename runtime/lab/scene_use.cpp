@@ -4,7 +4,7 @@
 
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/lod/mesh/tile_window.h"
-#include "runtime/paging/loaded_tile.h"
+#include "cairn/loaded_tile.h"
 #include "runtime/view/view_frustum.h"
 
 namespace cairn {

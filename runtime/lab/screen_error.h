@@ -7,7 +7,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "format/status.h"
+#include "cairn/status.h"
 #include "runtime/lab/lab_terrain.h"
 #include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/screen.h"

@@ -48,7 +48,7 @@
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/triangle_error.h"
 #include "runtime/lod/mesh/vertex_decimation.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {

@@ -33,7 +33,7 @@
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_numbers.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {

@@ -32,7 +32,7 @@
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_errors.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 #include "runtime/view/view_frustum.h"
 
 namespace cairn {

@@ -35,7 +35,7 @@
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_errors.h"
 #include "runtime/lod/mesh/vertex_numbers.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {

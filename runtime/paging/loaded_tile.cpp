@@ -1,4 +1,4 @@
-#include "runtime/paging/loaded_tile.h"
+#include "cairn/loaded_tile.h"
 
 namespace cairn {
 namespace {

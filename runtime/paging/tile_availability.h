@@ -4,8 +4,8 @@
 #include <optional>
 #include <unordered_set>
 
-#include "format/pack_reader.h"
-#include "runtime/paging/loaded_tile.h"
+#include "cairn/pack_reader.h"
+#include "cairn/loaded_tile.h"
 
 namespace cairn {
 

@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "runtime/paging/loaded_tile.h"
+#include "cairn/loaded_tile.h"
 
 namespace cairn {
 

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "runtime/paging/loaded_tile.h"
+#include "cairn/loaded_tile.h"
 #include "runtime/scene/scene_map.h"
-#include "runtime/view/bounding_volume.h"
+#include "cairn/bounding_volume.h"
 
 namespace cairn {
 

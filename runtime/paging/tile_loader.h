@@ -11,9 +11,9 @@
 #include <thread>
 #include <vector>
 
-#include "format/pack_reader.h"
-#include "format/status.h"
-#include "runtime/paging/loaded_tile.h"
+#include "cairn/pack_reader.h"
+#include "cairn/status.h"
+#include "cairn/loaded_tile.h"
 
 namespace cairn {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 

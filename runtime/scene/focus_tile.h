@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "format/tile_id.h"
-#include "runtime/view/view_state.h"
+#include "cairn/tile_id.h"
+#include "cairn/view_state.h"
 
 namespace cairn {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "format/tile_id.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "format/tile_id.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

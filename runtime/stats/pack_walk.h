@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "runtime/paging/tile_loader.h"
 #include "runtime/stats/block_count.h"
 #include "runtime/stats/report.h"

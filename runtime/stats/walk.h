@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "format/status.h"
-#include "format/tile_id.h"
+#include "cairn/status.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

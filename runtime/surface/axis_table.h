@@ -5,7 +5,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 
-#include "format/tile_id.h"
+#include "cairn/tile_id.h"
 
 namespace cairn::gl {
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <span>
 
-#include "format/geo.h"
-#include "runtime/render_list.h"
+#include "cairn/geo.h"
+#include "cairn/render_list.h"
 #include "runtime/surface/lod_transition.h"
 
 namespace cairn::gl {

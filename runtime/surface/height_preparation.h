@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "format/height_tile.h"
+#include "cairn/height_tile.h"
 #include "runtime/paging/tile_loader.h"
 #include "runtime/surface/surface_tile.h"
 

@@ -6,7 +6,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "runtime/render_list.h"
+#include "cairn/render_list.h"
 #include "runtime/surface/surface_tile.h"
 
 namespace cairn::gl {

@@ -9,7 +9,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "format/tile_id.h"
+#include "cairn/tile_id.h"
 #include "runtime/surface/surface_tile.h"
 
 namespace cairn::gl {

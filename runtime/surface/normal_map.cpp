@@ -7,7 +7,7 @@
 #include <span>
 
 #include "runtime/surface/bc5.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn::gl {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "format/height_tile.h"
-#include "format/tile_id.h"
+#include "cairn/height_tile.h"
+#include "cairn/tile_id.h"
 
 namespace cairn::gl {
 

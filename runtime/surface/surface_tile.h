@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "format/height_tile.h"
-#include "format/tile_id.h"
+#include "cairn/height_tile.h"
+#include "cairn/tile_id.h"
 #include "runtime/view/sample_lattice.h"
 
 namespace cairn::gl {

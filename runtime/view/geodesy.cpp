@@ -1,4 +1,4 @@
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 #include <cmath>
 

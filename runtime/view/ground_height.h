@@ -2,9 +2,9 @@
 
 #include <optional>
 
-#include "format/geo.h"
-#include "format/height_tile.h"
-#include "format/tile_id.h"
+#include "cairn/geo.h"
+#include "cairn/height_tile.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

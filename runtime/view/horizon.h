@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "runtime/view/bounding_volume.h"
+#include "cairn/bounding_volume.h"
 
 namespace cairn {
 

@@ -4,7 +4,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 

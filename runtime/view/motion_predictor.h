@@ -4,7 +4,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 
 namespace cairn {
 

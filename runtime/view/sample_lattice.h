@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "format/tile_id.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

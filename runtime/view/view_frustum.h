@@ -6,9 +6,9 @@
 
 #include <glm/vec3.hpp>
 
-#include "runtime/view/bounding_volume.h"
+#include "cairn/bounding_volume.h"
 #include "runtime/view/horizon.h"
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 
 namespace cairn {
 

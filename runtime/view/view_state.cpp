@@ -1,11 +1,11 @@
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 
 #include <cmath>
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 
 namespace cairn::viewer {
 

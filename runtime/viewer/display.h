@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "format/status.h"
+#include "cairn/status.h"
 #include "runtime/flight/camera_text.h"
 
 struct GLFWwindow;

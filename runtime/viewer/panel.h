@@ -6,7 +6,7 @@
 
 #include "runtime/gl/renderer.h"
 #include "runtime/paging/frame_stats.h"
-#include "runtime/render_list.h"
+#include "cairn/render_list.h"
 
 namespace cairn::viewer {
 

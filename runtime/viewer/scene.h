@@ -3,12 +3,12 @@
 #include <memory>
 #include <vector>
 
-#include "format/pack_reader.h"
-#include "format/status.h"
+#include "cairn/pack_reader.h"
+#include "cairn/status.h"
 #include "runtime/flight/camera_text.h"
 #include "runtime/gl/frame_target.h"
 #include "runtime/gl/renderer.h"
-#include "runtime/terrain.h"
+#include "cairn/terrain.h"
 #include "runtime/viewer/options.h"
 
 namespace cairn::viewer {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/flight/camera_text.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 #include "runtime/viewer/scene.h"
 
 namespace cairn::viewer {

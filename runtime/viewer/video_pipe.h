@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "format/status.h"
+#include "cairn/status.h"
 #include "runtime/gl/picture.h"
 
 namespace cairn::viewer {

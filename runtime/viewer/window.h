@@ -2,7 +2,7 @@
 
 #include <iosfwd>
 
-#include "format/status.h"
+#include "cairn/status.h"
 #include "runtime/viewer/options.h"
 
 namespace cairn::viewer {

@@ -22,7 +22,7 @@
 #include <time.h>
 
 #include "format/codec.h"
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "tests/bench/height_codec_peers.h"
 
 namespace {

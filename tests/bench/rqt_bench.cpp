@@ -10,7 +10,7 @@
 
 #include <fmt/core.h>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "format/rqt_block.h"
 #include "format/rqt_triangulate.h"
 

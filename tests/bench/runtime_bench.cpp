@@ -13,7 +13,7 @@
 #include "runtime/paging/tile_availability.h"
 #include "runtime/stats/block_count.h"
 #include "runtime/stats/pack_walk.h"
-#include "runtime/terrain.h"
+#include "cairn/terrain.h"
 
 namespace cairn {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "tests/support/run_program.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"

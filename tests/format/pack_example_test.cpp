@@ -9,7 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "format/height_block.h"
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "format/pack_verify.h"
 #include "format/pack_writer.h"
 #include "tests/support/test_data.h"

@@ -5,7 +5,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "format/pack_verify.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"

@@ -1,4 +1,4 @@
-#include "format/pack_layout.h"
+#include "cairn/pack_layout.h"
 
 #include <cstring>
 #include <limits>

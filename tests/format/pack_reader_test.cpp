@@ -1,4 +1,4 @@
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 
 #include <atomic>
 #include <random>

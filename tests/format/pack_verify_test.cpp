@@ -8,9 +8,9 @@
 
 #include "format/checksum.h"
 #include "format/height_block.h"
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "format/pack_writer.h"
-#include "format/texture_tile.h"
+#include "cairn/texture_tile.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"
 

@@ -8,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"
 

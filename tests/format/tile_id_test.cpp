@@ -1,4 +1,4 @@
-#include "format/tile_id.h"
+#include "cairn/tile_id.h"
 
 #include <random>
 

@@ -6,8 +6,8 @@
 #include <catch2/catch.hpp>
 
 #include "format/checksum.h"
-#include "format/pack_reader.h"
-#include "format/pack_sampler.h"
+#include "cairn/pack_reader.h"
+#include "cairn/pack_sampler.h"
 #include "format/pack_verify.h"
 #include "tests/support/fuzz.h"
 #include "tests/support/test_data.h"

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "format/height_block.h"
-#include "format/texture_tile.h"
+#include "cairn/texture_tile.h"
 #include "tests/support/fuzz.h"
 #include "tests/support/test_pack.h"
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <thread>
 
-#include "format/pack_reader.h"
-#include "runtime/terrain.h"
+#include "cairn/pack_reader.h"
+#include "cairn/terrain.h"
 
 int main(int argc, char** argv) {
   if (argc != 4) return std::fprintf(stderr, "usage: fly PACK LON LAT\n"), 2;

@@ -8,7 +8,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn::test {
 

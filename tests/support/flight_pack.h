@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "runtime/paging/tile_loader.h"
 #include "tests/support/test_data.h"
 

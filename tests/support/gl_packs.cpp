@@ -5,7 +5,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "builder/build.h"
+#include "cairn/build.h"
 #include "builder/texture_encode/texture_encode.h"
 #include "format/codec.h"
 #include "format/height_block.h"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "format/geo.h"
-#include "format/texture_tile.h"
-#include "format/tile_id.h"
+#include "cairn/geo.h"
+#include "cairn/texture_tile.h"
+#include "cairn/tile_id.h"
 
 namespace cairn::test {
 

@@ -8,7 +8,7 @@
 
 #include "runtime/gl/frame_target.h"
 #include "runtime/gl/headless_context.h"
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 #include "runtime/viewer/scene.h"
 
 namespace cairn::test {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "builder/build.h"
+#include "cairn/build.h"
 
 namespace cairn::test {
 

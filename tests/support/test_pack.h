@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "format/height_tile.h"
-#include "format/pack_layout.h"
+#include "cairn/height_tile.h"
+#include "cairn/pack_layout.h"
 
 namespace cairn::test {
 

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 
 namespace cairn::test {
 

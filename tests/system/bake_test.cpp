@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "builder/bake/journal.h"
-#include "builder/build.h"
+#include "cairn/build.h"
 #include "builder/heights/measure_pack.h"
 #include "builder/raster/raster_source.h"
-#include "format/pack_reader.h"
-#include "format/pack_sampler.h"
+#include "cairn/pack_reader.h"
+#include "cairn/pack_sampler.h"
 #include "format/pack_verify.h"
 #include "tests/support/test_bake.h"
 #include "tests/support/test_data.h"

@@ -10,7 +10,7 @@
 #include <png.h>
 
 #include "builder/bake/journal.h"
-#include "builder/build.h"
+#include "cairn/build.h"
 #include "builder/export/texture_file.h"
 #include "builder/imagery/texture_tile_encode.h"
 #include "builder/raster/raster_source.h"

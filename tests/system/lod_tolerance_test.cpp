@@ -11,11 +11,11 @@
 #include <glm/trigonometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "builder/build.h"
+#include "cairn/build.h"
 #include "format/rqt_block.h"
 #include "format/rqt_triangulate.h"
 #include "runtime/lab/lab_terrain.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"
 

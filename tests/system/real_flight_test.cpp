@@ -11,9 +11,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "builder/build.h"
+#include "cairn/build.h"
 #include "runtime/paging/tile_availability.h"
-#include "runtime/terrain.h"
+#include "cairn/terrain.h"
 #include "tests/support/flight_pack.h"
 #include "tests/support/test_data.h"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "builder/raster/io/page_allocator.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -4,7 +4,7 @@
 
 #include "builder/raster/io/input_file.h"
 #include "builder/raster/io/scratch_bytes.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

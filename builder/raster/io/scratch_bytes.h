@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "builder/raster/io/input_file.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

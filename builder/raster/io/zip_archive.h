@@ -6,7 +6,7 @@
 
 #include "builder/raster/io/input_file.h"
 #include "builder/raster/io/scratch_bytes.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

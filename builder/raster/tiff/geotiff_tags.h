@@ -10,7 +10,7 @@
 
 #include "builder/raster/georeference.h"
 #include "builder/raster/tiff/tiff_handle.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "format/status.h"
+#include "cairn/status.h"
 
 struct tiff;
 

@@ -13,7 +13,7 @@
 #include "builder/raster/io/scratch_bytes.h"
 #include "builder/raster/raster_source.h"
 #include "builder/raster/tiff/tiff_handle.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

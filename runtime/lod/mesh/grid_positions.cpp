@@ -4,7 +4,7 @@
 
 #include <glm/trigonometric.hpp>
 
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "format/height_tile.h"
-#include "runtime/view/bounding_volume.h"
+#include "cairn/height_tile.h"
+#include "cairn/bounding_volume.h"
 #include "runtime/view/sample_lattice.h"
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 
 namespace cairn {
 

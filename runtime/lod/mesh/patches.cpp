@@ -8,7 +8,7 @@
 
 #include "runtime/lod/mesh/index_forms.h"
 #include "runtime/lod/mesh/tile_window.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {

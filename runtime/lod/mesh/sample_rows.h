@@ -6,9 +6,9 @@
 
 #include <glm/vec3.hpp>
 
-#include "format/height_tile.h"
+#include "cairn/height_tile.h"
 #include "runtime/lod/mesh/grid_positions.h"
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 
 namespace cairn {
 

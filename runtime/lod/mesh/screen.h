@@ -4,7 +4,7 @@
 
 #include "runtime/view/sample_lattice.h"
 #include "runtime/view/view_frustum.h"
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 
 namespace cairn {
 

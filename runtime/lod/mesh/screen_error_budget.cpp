@@ -7,8 +7,8 @@
 #include <glm/trigonometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "runtime/view/geodesy.h"
-#include "runtime/view/view_state.h"
+#include "cairn/geodesy.h"
+#include "cairn/view_state.h"
 
 namespace cairn {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "format/height_tile.h"
-#include "format/tile_id.h"
+#include "cairn/height_tile.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

@@ -5,13 +5,13 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "format/height_tile.h"
+#include "cairn/height_tile.h"
 #include "runtime/lod/mesh/lod_scene.h"
 #include "runtime/lod/mesh/sample_rows.h"
 #include "runtime/lod/mesh/square_errors.h"
 #include "runtime/lod/mesh/subtriangle_error_ranges.h"
 #include "runtime/view/horizon.h"
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 
 namespace cairn {
 

@@ -7,7 +7,7 @@
 
 #include "format/bisection_errors.h"
 #include "format/rqt_steps.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {

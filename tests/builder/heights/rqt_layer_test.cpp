@@ -6,8 +6,8 @@
 #include <catch2/catch.hpp>
 
 #include "builder/bake/journal.h"
-#include "builder/build.h"
-#include "format/pack_reader.h"
+#include "cairn/build.h"
+#include "cairn/pack_reader.h"
 #include "format/pack_verify.h"
 #include "format/pack_writer.h"
 #include "format/rqt_block.h"

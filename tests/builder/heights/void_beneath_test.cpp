@@ -5,9 +5,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "builder/build.h"
-#include "format/pack_reader.h"
-#include "format/pack_sampler.h"
+#include "cairn/build.h"
+#include "cairn/pack_reader.h"
+#include "cairn/pack_sampler.h"
 #include "format/pack_verify.h"
 #include "tests/support/dem_files.h"
 #include "tests/support/test_data.h"

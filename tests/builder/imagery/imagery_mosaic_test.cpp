@@ -5,9 +5,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "builder/build.h"
+#include "cairn/build.h"
 #include "builder/export/texture_file.h"
-#include "format/texture_tile.h"
+#include "cairn/texture_tile.h"
 #include "tests/support/dem_files.h"
 #include "tests/support/test_data.h"
 #include "tests/support/texture_pack.h"

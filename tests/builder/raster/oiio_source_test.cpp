@@ -5,7 +5,7 @@
 #include <OpenImageIO/imageio.h>
 #include <catch2/catch.hpp>
 
-#include "builder/build.h"
+#include "cairn/build.h"
 #include "tests/support/dem_files.h"
 #include "tests/support/gdal_oracle.h"
 #include "tests/support/test_data.h"

@@ -15,8 +15,8 @@
 #include <glm/trigonometric.hpp>
 
 #include "runtime/surface/lod_transition.h"
-#include "runtime/terrain.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/terrain.h"
+#include "cairn/geodesy.h"
 #include "tests/support/drawn_mesh.h"
 #include "tests/support/gl_packs.h"
 #include "tests/support/stage.h"

@@ -8,7 +8,7 @@
 
 #include "runtime/lab/lab_terrain.h"
 #include "runtime/lab/screen_error.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"
 

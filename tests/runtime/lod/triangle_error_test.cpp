@@ -9,7 +9,7 @@
 #include <catch2/catch.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 #include "tests/support/test_pack.h"
 
 namespace cairn::test {

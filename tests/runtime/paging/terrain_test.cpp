@@ -1,4 +1,4 @@
-#include "runtime/terrain.h"
+#include "cairn/terrain.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -11,7 +11,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "format/pack_sampler.h"
+#include "cairn/pack_sampler.h"
 #include "runtime/paging/tile_availability.h"
 #include "tests/support/flight_pack.h"
 

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn::gl {
 namespace {

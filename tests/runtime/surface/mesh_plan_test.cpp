@@ -14,7 +14,7 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/surface/patch_partition.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 #include "tests/support/test_pack.h"
 
 namespace cairn::gl {

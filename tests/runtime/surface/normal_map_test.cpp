@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "runtime/surface/bc5.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 
 namespace cairn::gl {
 namespace {

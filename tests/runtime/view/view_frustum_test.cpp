@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "format/tile_id.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/tile_id.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {

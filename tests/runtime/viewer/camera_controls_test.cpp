@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/flight/flight.h"
-#include "runtime/view/geodesy.h"
+#include "cairn/geodesy.h"
 #include "tests/support/test_data.h"
 
 namespace cairn::viewer {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "builder/bake/progress.h"
-#include "builder/options/build_options.h"
-#include "format/status.h"
+#include "cairn/progress.h"
+#include "cairn/build_options.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -4,7 +4,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "format/geo.h"
+#include "cairn/geo.h"
 
 namespace cairn {
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "format/geo.h"
+#include "cairn/geo.h"
 
 namespace cairn {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "format/status.h"
+#include "cairn/status.h"
 #include "runtime/paging/frame_stats.h"
 #include "runtime/paging/tile_cut.h"
 

@@ -6,12 +6,12 @@
 #include <memory>
 #include <optional>
 
-#include "format/pack_reader.h"
-#include "format/status.h"
+#include "cairn/pack_reader.h"
+#include "cairn/status.h"
 #include "runtime/paging/tile_loader.h"
-#include "runtime/render_list.h"
+#include "cairn/render_list.h"
 #include "runtime/scene/scene_map.h"
-#include "runtime/view/view_state.h"
+#include "cairn/view_state.h"
 
 namespace cairn {
 

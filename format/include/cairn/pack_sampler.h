@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 
-#include "format/geo.h"
-#include "format/pack_reader.h"
-#include "format/status.h"
+#include "cairn/geo.h"
+#include "cairn/pack_reader.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

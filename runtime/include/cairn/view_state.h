@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "format/geo.h"
+#include "cairn/geo.h"
 
 namespace cairn {
 

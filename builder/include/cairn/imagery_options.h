@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "builder/texture_encode/texture_encode.h"
-#include "format/geo.h"
+#include "cairn/geo.h"
 
 namespace cairn {
 

@@ -5,9 +5,9 @@
 #include <functional>
 #include <memory>
 
-#include "format/height_tile.h"
-#include "format/pack_layout.h"
-#include "format/texture_tile.h"
+#include "cairn/height_tile.h"
+#include "cairn/pack_layout.h"
+#include "cairn/texture_tile.h"
 
 namespace cairn {
 

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "format/status.h"
-#include "format/tile_id.h"
+#include "cairn/status.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 

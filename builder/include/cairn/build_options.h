@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "builder/options/imagery_options.h"
+#include "cairn/imagery_options.h"
 #include "builder/resample/resample_lattice.h"
-#include "format/geo.h"
-#include "format/pack_layout.h"
+#include "cairn/geo.h"
+#include "cairn/pack_layout.h"
 
 namespace cairn {
 
