@@ -5,16 +5,9 @@
 #include <vector>
 
 #include "builder/resample/axis_positions.h"
+#include "cairn/bake_choices.h"
 
 namespace cairn {
-
-/// How samples come from posts along an axis.
-enum class ResampleMethod {
-  nearest,   ///< the nearest post
-  bilinear,  ///< between the two posts around the sample
-  cubic,     ///< Catmull-Rom through the four posts around it (Keys 1981, a = -1/2)
-  exact,     ///< cubic, corrected so that the samples' linear interpolant passes through every post
-};
 
 /// Samples as weighted sums of posts: sample k is the sum of weights[offset + c] · post[first + c] over c <
 /// count.

@@ -5,12 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "cairn/bake_choices.h"
 #include "format/block_texture.h"
 
 namespace cairn {
-
-/// What to spend on a texture; docs/textures.md has what each gives.
-enum class TextureQuality : std::uint8_t { fast, normal, best };
 
 /// Appends the blocks of the RGBA image `rgba` (rows from the north, width·height·4 bytes) to `out`, as
 /// decode_texture() reads them. Where the size is no multiple of 4, the last column and row are repeated to

@@ -11,14 +11,11 @@
 #include <thread>
 #include <vector>
 
+#include "cairn/loaded_tile.h"
 #include "cairn/pack_reader.h"
 #include "cairn/status.h"
-#include "cairn/loaded_tile.h"
 
 namespace cairn {
-
-/// Reads and decodes a tile. Called from the worker threads, several at a time.
-using ReadTile = std::function<Result<LoadedTile>(const IndexEntry& entry)>;
 
 /// The one that programs use; others stand in for slow and failing disks in the tests.
 ReadTile read_from(std::shared_ptr<const PackReader> pack);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "cairn/progress.h"
 #include "cairn/build_options.h"
+#include "cairn/progress.h"
 #include "cairn/status.h"
 
 namespace cairn {

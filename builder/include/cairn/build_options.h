@@ -6,17 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "cairn/imagery_options.h"
-#include "builder/resample/resample_lattice.h"
+#include "cairn/bake_choices.h"
 #include "cairn/geo.h"
+#include "cairn/imagery_options.h"
 #include "cairn/pack_layout.h"
 
 namespace cairn {
-
-enum class VoidMode {
-  fill,  ///< smoothly from the rim; the filled share of each tile is recorded
-  keep,  ///< a mask; the runtime draws a hole
-};
 
 /// What a bake is asked for. The defaults are the program's.
 struct BuildOptions {

@@ -4,8 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "builder/texture_encode/texture_encode.h"
+#include "cairn/bake_choices.h"
 #include "cairn/geo.h"
+#include "cairn/texture_tile.h"
 
 namespace cairn {
 

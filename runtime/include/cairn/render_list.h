@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "cairn/bounding_volume.h"
+#include "cairn/loaded_tile.h"
 #include "cairn/status.h"
-#include "runtime/paging/frame_stats.h"
-#include "runtime/paging/tile_cut.h"
 
 namespace cairn {
 

@@ -6,11 +6,12 @@
 #include <memory>
 #include <optional>
 
+#include "cairn/loaded_tile.h"
 #include "cairn/pack_reader.h"
-#include "cairn/status.h"
-#include "runtime/paging/tile_loader.h"
+#include "cairn/paging_stats.h"
+#include "cairn/refinement_pattern.h"
 #include "cairn/render_list.h"
-#include "runtime/scene/scene_map.h"
+#include "cairn/status.h"
 #include "cairn/view_state.h"
 
 namespace cairn {
