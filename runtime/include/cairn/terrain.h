@@ -22,7 +22,7 @@ struct TerrainOptions {
   int workers = 2;                          ///< threads that read and decode; 1…64
   RefinementPattern pattern =
       RefinementPattern::restricted;  ///< not nine or window, which leave most of the Earth bare
-  double tile_margin = 0.125;         ///< hysteresis, see FocusTile; 0 for none
+  double tile_margin = 0.125;         ///< hysteresis in tiles, below 1; 0 for none
   double level_margin = 0.25;
   double look_ahead_s = 2;  ///< what lies this far along the flight is loaded next; 0 for nothing
 };
@@ -55,8 +55,8 @@ class Terrain {
   /// Call once a frame; `dt_s` >= 0 is the time since the last call. The list holds until the next call.
   const RenderList& update(const ViewState& view, double dt_s);
 
-  /// The height, above what the pack's heights are measured from, of the ground as it is drawn now; nullopt
-  /// where nothing is or where it is void.
+  /// The height, in the pack's vertical datum, of the ground as it is drawn now; nullopt where nothing is
+  /// drawn or where it is void.
   std::optional<double> ground_height_m(LonLat place) const;
 
   /// The eye's tile for which the last update wanted the map.

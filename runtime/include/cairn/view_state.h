@@ -10,9 +10,13 @@
 namespace cairn {
 
 /// Where the eye is, where it looks, and through what. Plain data, all in double.
+///
+/// Every height of the runtime is in the vertical datum of the pack (PackHeader::vertical_datum), the eye's
+/// included, so that the height of the ground plus a clearance is a height of the eye. The scene is laid out
+/// as if that datum were the ellipsoid. VerticalConversion converts heights above the ellipsoid.
 struct ViewState {
   LonLat eye;                    ///< any longitude; latitude within ±90
-  double height_m = 0;           ///< above the ellipsoid
+  double height_m = 0;           ///< in the pack's vertical datum
   double heading_deg = 0;        ///< clockwise from north
   double pitch_deg = 0;          ///< up from the horizontal; -90 looks straight down
   double roll_deg = 0;           ///< clockwise, as the pilot sees it
