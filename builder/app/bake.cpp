@@ -13,9 +13,9 @@
 #include "builder/bake/journal.h"
 #include "builder/bake/memory_budget.h"
 #include "builder/bake/output_check.h"
-#include "cairn/build.h"
 #include "builder/raster/expand_inputs.h"
 #include "builder/raster/raster_source.h"
+#include "cairn/build.h"
 
 namespace cairn {
 namespace {
@@ -135,6 +135,15 @@ Status bake(const BakeArguments& arguments) {
   return print_bake_report(*report, *options, arguments.report, arguments.json);
 }
 
+/// Accepts the words of the map, in any case. The help lists the words; CLI11's own description lists the
+/// enumerators' bytes as well.
+template <class Value>
+CLI::Validator one_of(const std::map<std::string, Value>& words) {
+  std::string list;
+  for (const auto& word : words) list += (list.empty() ? "" : ",") + word.first;
+  return CLI::CheckedTransformer(words, CLI::ignore_case).description("{" + list + "}");
+}
+
 void add_accuracy_options(CLI::App& verb, BakeArguments& arguments) {
   BuildOptions& o = arguments.options;
   const std::map<std::string, ResampleMethod> methods{{"nearest", ResampleMethod::nearest},
@@ -148,7 +157,7 @@ void add_accuracy_options(CLI::App& verb, BakeArguments& arguments) {
       ->check(CLI::Range(1e-5, 1e3));
   verb.add_flag("--allow-error", o.allow_error, "an exceeded error bound is a warning");
   verb.add_option("--resampling", o.resampling, "nearest, bilinear, cubic or exact")
-      ->transform(CLI::CheckedTransformer(methods, CLI::ignore_case))
+      ->transform(one_of(methods))
       ->default_str("exact");
 }
 
@@ -159,11 +168,11 @@ void add_datum_options(CLI::App& verb, BakeArguments& arguments) {
                                                     {"egm96", VerticalDatum::egm96},
                                                     {"ellipsoid", VerticalDatum::ellipsoid}};
   verb.add_option("--void", o.voids, "fill voids smoothly, or keep them as holes")
-      ->transform(CLI::CheckedTransformer(voids, CLI::ignore_case))
+      ->transform(one_of(voids))
       ->default_str("fill");
   verb.add_option("--datum", o.datum,
                   "what the sources' heights are measured from: egm96, ellipsoid or unknown")
-      ->transform(CLI::CheckedTransformer(datums, CLI::ignore_case))
+      ->transform(one_of(datums))
       ->default_str("unknown");
   verb.add_option("--geoid", arguments.geoid,
                   "raster of geoid undulations to add, so that heights are ellipsoidal")
@@ -179,10 +188,10 @@ void add_imagery_options(CLI::App& verb, BakeArguments& arguments) {
   verb.add_option("--imagery", arguments.images,
                   "image files, folders or glob patterns; finer ones lie on top, then earlier ones");
   verb.add_option("--texture-format", o.format, "bc1 (bc3 where a tile is not opaque), bc3 or bc7")
-      ->transform(CLI::CheckedTransformer(formats, CLI::ignore_case))
+      ->transform(one_of(formats))
       ->default_str("bc1");
   verb.add_option("--texture-quality", o.quality, "fast, normal or best")
-      ->transform(CLI::CheckedTransformer(qualities, CLI::ignore_case))
+      ->transform(one_of(qualities))
       ->default_str("normal");
   verb.add_option("--bounds", arguments.image_bounds,
                   "W,S,E,N in degrees: where images lie that do not say it themselves")

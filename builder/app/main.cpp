@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -16,7 +17,6 @@ constexpr int kUsage = 2;
 int run(int argc, char** argv) {
   CLI::App app("cairn: terrain packs from elevation rasters", "cairn");
   app.set_version_flag("--version", "cairn " CAIRN_VERSION);
-  app.footer("A verb that is not listed is looked for as cairn-VERB beside this program.");
   app.require_subcommand(1);
   app.failure_message(
       [](const CLI::App*, const CLI::Error& error) { return fmt::format("cairn: {}\n", error.what()); });
@@ -28,14 +28,24 @@ int run(int argc, char** argv) {
   cairn::add_extract(app, exit_code);
   cairn::add_hillshade(app, exit_code);
 
+  for (const cairn::ExternalVerb& verb : cairn::kExternalVerbs) app.add_subcommand(verb.name, verb.summary);
+  app.footer("A verb that is not listed is looked for as cairn-VERB beside this program.");
+
   if (argc < 2) {
     fmt::print("{}", app.help());
     return 0;
   }
   const auto is_named = [&](const CLI::App* verb) { return verb->check_name(argv[1]); };
-  if (argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
+  const bool is_external =
+      std::any_of(cairn::kExternalVerbs.begin(), cairn::kExternalVerbs.end(),
+                  [&](const cairn::ExternalVerb& verb) { return std::strcmp(verb.name, argv[1]) == 0; });
+  if (is_external || (argv[1][0] != '-' && app.get_subcommands(is_named).empty())) {
     const auto sibling = cairn::find_external_verb(argv[1]);
     if (sibling) cairn::become(*sibling, argv + 1);
+    if (is_external) {
+      fmt::print(stderr, "cairn: {0}: expected the program cairn-{0} beside cairn, found none\n", argv[1]);
+      return kUsage;
+    }
     fmt::print(stderr, "cairn: verb: expected one of `cairn --help` or a program cairn-{0}, found {0}\n",
                argv[1]);
     return kUsage;

@@ -1,11 +1,11 @@
+#include <cairn/pack_reader.h>
+#include <cairn/terrain.h>
+
 #include <chrono>
 #include <cstdio>
 #include <memory>
 #include <string>
 #include <thread>
-
-#include "cairn/pack_reader.h"
-#include "cairn/terrain.h"
 
 int main(int argc, char** argv) {
   if (argc != 4) return std::fprintf(stderr, "usage: fly PACK LON LAT\n"), 2;
@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   view.heading_deg = 90;
   view.pitch_deg = -10;
   for (int frame = 0; frame < 120; ++frame) {
-    view.height_m = terrain->ground_height_m(view.eye).value_or(0) + 1500;
+    view.height_m = terrain->ground_height_m(view.eye).value_or(0) + 1500;  // both in the pack's datum
     view.eye.lon += 0.0002;  // about 18 m east
 
     const cairn::RenderList& list = terrain->update(view, 1.0 / 60);
