@@ -12,8 +12,9 @@
 #include <catch2/catch.hpp>
 
 #include "cairn/build.h"
-#include "runtime/paging/tile_availability.h"
 #include "cairn/terrain.h"
+#include "runtime/paging/tile_availability.h"
+#include "runtime/scene/scene_map.h"
 #include "tests/support/flight_pack.h"
 #include "tests/support/test_data.h"
 

@@ -13,6 +13,8 @@
 
 #include "cairn/pack_sampler.h"
 #include "runtime/paging/tile_availability.h"
+#include "runtime/paging/tile_cut.h"
+#include "runtime/scene/scene_map.h"
 #include "tests/support/flight_pack.h"
 
 namespace cairn {
