@@ -27,7 +27,8 @@ for file in bin/cairn bin/cairn-view bin/cairn-stats bin/cairn-lab share/man/man
   grep -q " ./usr/$file\$" <<<"$contents" || fail "cairn: expected /usr/$file, found none"
 done
 ! grep -q "/include/" <<<"$contents" || fail "cairn: expected no headers, found some"
-dpkg-deb -c "$libraries" | grep -q ' ./usr/include/cairn/terrain.h$' || fail "libcairn-dev: expected headers, found none"
+contents=$(dpkg-deb -c "$libraries")
+grep -q ' ./usr/include/cairn/terrain.h$' <<<"$contents" || fail "libcairn-dev: expected headers, found none"
 
 # A tree with an empty dpkg database, so that the machine's own stays as it is.
 root=$work/root

@@ -38,7 +38,8 @@ for page in "$prefix"/share/man/man1/*.1; do
   if command -v groff >/dev/null; then
     faults=$(groff -man -Tutf8 -ww -z "$page" 2>&1)
     [ -z "$faults" ] || fail "$page: expected no warnings of groff, found $faults"
-    groff -man -Tascii -rLL=200n "$page" | grep -q -- '--help' || fail "$page: expected the option --help, found none"
+    text=$(groff -man -Tascii "$page")
+    [[ $text == *--help* ]] || fail "$page: expected the option --help, found none"
   fi
 done
 ! command -v zsh >/dev/null || zsh -n "$prefix/share/zsh/vendor-completions/_cairn"
