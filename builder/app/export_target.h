@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "format/pack_reader.h"
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "builder/options/build_options.h"
-#include "format/status.h"
+#include "cairn/build_options.h"
+#include "cairn/status.h"
 
 namespace cairn {
 

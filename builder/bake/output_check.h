@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <span>
 
-#include "format/status.h"
+#include "cairn/status.h"
 
 namespace cairn {
 
