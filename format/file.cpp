@@ -8,7 +8,6 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -129,33 +128,6 @@ Status rename_durably(const std::filesystem::path& from, const std::filesystem::
   if (::rename(from.c_str(), to.c_str()) != 0) return os_error(from, "rename to " + to.string());
   const std::filesystem::path folder = to.parent_path();
   return sync_folder(folder.empty() ? std::filesystem::path(".") : folder);
-}
-
-Result<FileMapping> FileMapping::map(const File& file, std::uint64_t offset, std::uint64_t bytes) {
-  if (bytes == 0) return FileMapping(nullptr, 0, {});
-  const std::uint64_t page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  const std::uint64_t before = offset % page;
-  const std::size_t length = before + bytes;
-  void* base =
-      ::mmap(nullptr, length, PROT_READ, MAP_SHARED, file.descriptor(), static_cast<off_t>(offset - before));
-  if (base == MAP_FAILED) return os_error(file.path(), "map " + std::to_string(bytes) + " bytes");
-  return FileMapping(base, length, {static_cast<const std::byte*>(base) + before, bytes});
-}
-
-FileMapping::FileMapping(FileMapping&& other) noexcept
-    : base_(std::exchange(other.base_, nullptr)),
-      length_(other.length_),
-      bytes_(std::exchange(other.bytes_, {})) {}
-
-FileMapping& FileMapping::operator=(FileMapping&& other) noexcept {
-  std::swap(base_, other.base_);
-  std::swap(length_, other.length_);
-  std::swap(bytes_, other.bytes_);
-  return *this;
-}
-
-FileMapping::~FileMapping() {
-  if (base_ != nullptr) ::munmap(base_, length_);
 }
 
 }  // namespace cairn

@@ -39,9 +39,6 @@ class File {
   /// Returns when everything written is on the disk.
   Status sync();
 
-  /// The descriptor, for mmap; it stays the file's.
-  int descriptor() const { return descriptor_; }
-
  private:
   File(int descriptor, std::filesystem::path path) : descriptor_(descriptor), path_(std::move(path)) {}
 
@@ -51,27 +48,5 @@ class File {
 
 /// Gives `from` the name `to`, replacing what was there, and returns when the folder's entry is on the disk.
 Status rename_durably(const std::filesystem::path& from, const std::filesystem::path& to);
-
-/// Part of an open file, mapped read-only into memory. Must not outlive changes to the file: a file that is
-/// cut short under a mapping raises SIGBUS.
-class FileMapping {
- public:
-  /// REQUIRES: offset + bytes <= the file's size. The file may be closed afterwards.
-  static Result<FileMapping> map(const File& file, std::uint64_t offset, std::uint64_t bytes);
-
-  FileMapping(FileMapping&& other) noexcept;
-  FileMapping& operator=(FileMapping&& other) noexcept;
-  ~FileMapping();
-
-  std::span<const std::byte> bytes() const { return bytes_; }
-
- private:
-  FileMapping(void* base, std::size_t length, std::span<const std::byte> bytes)
-      : base_(base), length_(length), bytes_(bytes) {}
-
-  void* base_ = nullptr;  // page-aligned, so it may lie before bytes_
-  std::size_t length_ = 0;
-  std::span<const std::byte> bytes_;
-};
 
 }  // namespace cairn

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <new>
 
 #include "format/bytes.h"
 #include "format/checksum.h"
@@ -14,7 +15,7 @@ namespace {
 
 constexpr std::size_t kLayers = 3;
 
-/// The key of an entry in the mapped index, without the rest of it.
+/// The key of an entry in the index, without the rest of it.
 struct EntryKey {
   Layer layer;
   TileId id;
@@ -60,18 +61,31 @@ Status check_checksum(const File& file, const char* what, std::span<const std::b
   return bad_data(file.path().string() + ": " + what + ": checksum: expected the header's, found another");
 }
 
+/// REQUIRES: the file has these bytes.
+Result<std::vector<std::byte>> read_bytes(const File& file, std::uint64_t offset, std::uint64_t count) {
+  std::vector<std::byte> bytes;
+  try {
+    bytes.resize(count);
+  } catch (const std::bad_alloc&) {
+    return failed(file.path().string() + ": index: expected memory for " + std::to_string(count) +
+                  " bytes, found too little");
+  }
+  if (const Status status = file.read(offset, bytes); !status) return status.error();
+  return bytes;
+}
+
 }  // namespace
 
 struct PackReader::State {
   File file;
   PackHeader header;
-  FileMapping tail;                                       // index, then metadata
+  std::vector<std::byte> tail;                            // index, then metadata
   std::array<std::optional<LevelRange>, kLayers> levels;  // by layer
 
   std::span<const std::byte> index() const {
-    return tail.bytes().first(header.index_count * kIndexEntryBytes);
+    return std::span(tail).first(header.index_count * kIndexEntryBytes);
   }
-  std::span<const std::byte> metadata() const { return tail.bytes().subspan(index().size()); }
+  std::span<const std::byte> metadata() const { return std::span(tail).subspan(index().size()); }
   std::span<const std::byte> entry_bytes(std::size_t i) const {
     return index().subspan(i * kIndexEntryBytes, kIndexEntryBytes);
   }
@@ -122,8 +136,8 @@ Result<PackReader> PackReader::open(const std::filesystem::path& path) {
   if (!file) return file.error();
   const Result<PackHeader> header = read_header(*file);
   if (!header) return header.error();
-  Result<FileMapping> tail =
-      FileMapping::map(*file, header->index_offset, header->file_bytes() - header->index_offset);
+  Result<std::vector<std::byte>> tail =
+      read_bytes(*file, header->index_offset, header->file_bytes() - header->index_offset);
   if (!tail) return tail.error();
   std::unique_ptr<State> state(new State{std::move(*file), *header, std::move(*tail), {}});
   Status status = check_checksum(state->file, "index", state->index(), header->index_checksum);

@@ -200,4 +200,33 @@ TEST_CASE("threads that share a reader get the same tiles") {
   CHECK(wrong == 0);
 }
 
+TEST_CASE("a pack that is cut short while it is open gives errors, and its index stays") {
+  const test::TempDir dir;
+  const fs::path path = dir.path() / "a.cairn";
+  const auto tiles = test::with_ancestors({{2, 8, 4}, {2, 9, 5}, {2, 10, 6}}, 0);
+  test::write_test_pack(path, kHills, tiles);
+  const auto reader = PackReader::open(path);
+  REQUIRE(reader.ok());
+  const auto size = fs::file_size(path);
+  std::size_t unreadable = 0;
+  for (const auto left : {size - 1, size / 2, std::uintmax_t{1}, std::uintmax_t{0}}) {
+    fs::resize_file(path, left);
+    CHECK(reader->entry_count() == tiles.size());
+    CHECK(reader->metadata_json().starts_with(R"({"cairn":"test")"));
+    std::size_t now_unreadable = 0;
+    for (const TileId& id : tiles) {
+      const auto entry = reader->find(Layer::heights, id);
+      REQUIRE(entry);
+      const auto tile = reader->read_height_tile(*entry);
+      if (tile) continue;
+      ++now_unreadable;
+      CHECK(tile.error().code == ErrorCode::bad_data);
+      CHECK(tile.error().message.find(path.string()) == 0);
+    }
+    CHECK(now_unreadable >= unreadable);
+    unreadable = now_unreadable;
+  }
+  CHECK(unreadable == tiles.size());
+}
+
 }  // namespace cairn

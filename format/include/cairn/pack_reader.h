@@ -14,8 +14,8 @@
 
 namespace cairn {
 
-/// An open pack. Immutable after open, so any number of threads may call it at once: the index is
-/// memory-mapped and searched in place, a block is one positioned read. It trusts no byte of the file.
+/// An open pack, immutable, so that any number of threads may call it. The index is held in memory; a block
+/// is one positioned read, checked: a file that is cut short while it is open gives errors.
 class PackReader {
  public:
   /// Two reads: the header, then index and metadata, both checked before anything is believed.
