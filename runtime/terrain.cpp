@@ -7,15 +7,17 @@
 
 #include <glm/geometric.hpp>
 
+#include "cairn/geodesy.h"
 #include "runtime/paging/pager.h"
 #include "runtime/paging/tile_availability.h"
 #include "runtime/scene/focus_tile.h"
-#include "cairn/geodesy.h"
 #include "runtime/view/ground_height.h"
 #include "runtime/view/motion_predictor.h"
 
 namespace cairn {
 namespace {
+
+constexpr double kFarthest_m = 1e12;  // beyond, differences of positions lose what a pixel is
 
 Error out_of_range(const char* option, const std::string& expected, const std::string& found) {
   return usage_error(std::string("terrain options: ") + option + ": expected " + expected + ", found " +
@@ -41,24 +43,56 @@ Status check(const TerrainOptions& o, const TileAvailability& contents) {
   return {};
 }
 
+Error bad_view(const char* what, const std::string& expected, double found) {
+  return usage_error(std::string("view: ") + what + ": expected " + expected + ", found " +
+                     std::to_string(found));
+}
+
+Status check(const ViewState& view, double dt_s) {
+  struct Number {
+    const char* name;
+    double value;
+  };
+  for (const Number& number : {Number{"longitude", view.eye.lon}, Number{"latitude", view.eye.lat},
+                               Number{"height", view.height_m}, Number{"heading", view.heading_deg},
+                               Number{"pitch", view.pitch_deg}, Number{"roll", view.roll_deg}}) {
+    if (!std::isfinite(number.value)) return bad_view(number.name, "a finite number", number.value);
+  }
+  if (std::abs(view.eye.lat) > 90) return bad_view("latitude", "-90 to 90", view.eye.lat);
+  if (std::abs(view.height_m) > kFarthest_m) {
+    return bad_view("height", std::to_string(kFarthest_m) + " m at most", view.height_m);
+  }
+  if (!(view.fov_y_deg > 0 && view.fov_y_deg < 180)) {
+    return bad_view("field of view", "above 0 and below 180 degrees", view.fov_y_deg);
+  }
+  if (view.viewport_width_px < 1) return bad_view("viewport width", "1 or more", view.viewport_width_px);
+  if (view.viewport_height_px < 1) return bad_view("viewport height", "1 or more", view.viewport_height_px);
+  if (!(dt_s >= 0)) return bad_view("time since the last update", "0 or more", dt_s);
+  return {};
+}
+
 }  // namespace
 
 struct Terrain::State {
-  State(std::shared_ptr<const PackReader> pack, const TerrainOptions& o, ReadTile read)
+  State(std::shared_ptr<const PackReader> pack, const TerrainOptions& o, TileSource source)
       : options(o),
         contents(std::move(pack)),
         occluder(contents.lowest_m()),
         eye(o.tile_margin, o.level_margin),
         eye_ahead(o.tile_margin, o.level_margin),
-        pager(contents, std::move(read), occluder, {o.cache_bytes, o.delivery_bytes, o.workers}) {}
+        pager(contents, std::move(source), occluder, {o.cache_bytes, o.delivery_bytes, o.workers}) {
+    list.lowest_m = contents.lowest_m();
+  }
 
   TileId eye_tile_for(FocusTile& held, const ViewState& view) const;
   TileCut cover_for(const TileId& eye_tile) const;
   void add_to_cover(const TileId& area, bool has_source, TileCut& cover) const;
   void aim(const TileId& eye_tile);
   void look_ahead(const ViewState& view, double dt_s);
+  std::size_t count_failing(const TileCut& cover) const;
   void list_tiles();
   void count_holes();
+  const RenderList& refuse(const Error& error);
 
   const TerrainOptions options;
   TileAvailability contents;
@@ -68,7 +102,9 @@ struct Terrain::State {
   MotionPredictor motion;
   std::optional<TileId> aimed_at;
   std::optional<TileId> looked_at;
-  std::uint64_t damage_seen = 0;
+  std::uint64_t availability_seen = 0;
+  std::size_t failing = 0;  // tiles of the target that cannot be read at present
+  bool view_refused = false;
   PagingStats counts;
   bool any_shown = false;
   RenderList list;
@@ -107,17 +143,33 @@ void Terrain::State::add_to_cover(const TileId& area, bool has_source, TileCut& 
 }
 
 void Terrain::State::aim(const TileId& eye_tile) {
-  if (aimed_at == eye_tile && damage_seen == pager.damage_version()) return;
+  if (aimed_at == eye_tile && availability_seen == pager.availability_version()) return;
   counts.moves += aimed_at != eye_tile;
   aimed_at = eye_tile;
   looked_at.reset();
-  damage_seen = pager.damage_version();
+  availability_seen = pager.availability_version();
   TileCut cover = cover_for(eye_tile);
+  list.is_limited = !pager.fits(cover);
   for (TileId coarser = eye_tile; !pager.fits(cover) && coarser.level > kMinLevel;) {
     coarser = parent_of(coarser);
     cover = cover_for(coarser);
   }
+  failing = count_failing(cover);
   pager.set_target(std::move(cover));
+}
+
+/// Of the tiles that cannot be read at present, those that an area of the cover would show.
+std::size_t Terrain::State::count_failing(const TileCut& cover) const {
+  const auto shows = [](const CutNode& node, const TileKey& key) {
+    const TileId above = key.id.level > kMinLevel ? parent_of(key.id) : key.id;
+    return node.area == above ||
+           (node.area.level >= key.id.level && ancestor_of(node.area, key.id.level) == key.id);
+  };
+  const std::vector<TileKey> failing_tiles = contents.failing();
+  return static_cast<std::size_t>(
+      std::count_if(failing_tiles.begin(), failing_tiles.end(), [&](const TileKey& key) {
+        return std::any_of(cover.begin(), cover.end(), [&](const CutNode& node) { return shows(node, key); });
+      }));
 }
 
 void Terrain::State::look_ahead(const ViewState& view, double dt_s) {
@@ -165,6 +217,18 @@ void Terrain::State::count_holes() {
   if (any_shown) counts.holes += holes;
 }
 
+/// The list of the last update, which a view that is out of range leaves as it was.
+const RenderList& Terrain::State::refuse(const Error& error) {
+  if (list.version != pager.drawn_version()) list_tiles();
+  list.evicted.clear();
+  list.errors.clear();
+  if (!view_refused) list.errors.push_back(error);
+  view_refused = true;
+  list.is_complete = false;
+  list.is_settled = true;
+  return list;
+}
+
 Terrain::Terrain(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Terrain::Terrain(Terrain&&) noexcept = default;
 Terrain& Terrain::operator=(Terrain&&) noexcept = default;
@@ -177,14 +241,25 @@ Result<Terrain> Terrain::open(std::shared_ptr<const PackReader> pack, const Terr
 
 Result<Terrain> Terrain::open(std::shared_ptr<const PackReader> pack, const TerrainOptions& options,
                               ReadTile read) {
+  return open_source(std::move(pack), options, std::move(read));
+}
+
+Result<Terrain> Terrain::open(std::shared_ptr<const PackReader> pack, const TerrainOptions& options,
+                              RequestTile request) {
+  return open_source(std::move(pack), options, std::move(request));
+}
+
+Result<Terrain> Terrain::open_source(std::shared_ptr<const PackReader> pack, const TerrainOptions& options,
+                                     TileSource source) {
   assert(pack != nullptr);
   if (const Status status = check(options, TileAvailability(pack)); !status) return status.error();
-  return Terrain(std::make_unique<State>(std::move(pack), options, std::move(read)));
+  return Terrain(std::make_unique<State>(std::move(pack), options, std::move(source)));
 }
 
 const RenderList& Terrain::update(const ViewState& view, double dt_s) {
-  assert(dt_s >= 0);
   State& s = *state_;
+  if (const Status status = check(view, dt_s); !status) return s.refuse(status.error());
+  s.view_refused = false;
   s.aim(s.eye_tile_for(s.eye, view));  // 1. which map the eye wants
   s.look_ahead(view, dt_s);            // 2. which it may want next
   s.pager.advance();                   // 3. what has come in, replaces what it can
@@ -195,7 +270,8 @@ const RenderList& Terrain::update(const ViewState& view, double dt_s) {
     tile.visible = volume.sees(tile.volume);
     tile.distance_m = tile.volume.distance_m(volume.eye());
   }
-  s.list.is_complete = s.pager.is_settled();
+  s.list.is_complete = s.pager.is_settled() && s.failing == 0;
+  s.list.is_settled = s.pager.is_settled() || s.pager.only_failing();
   s.list.evicted = s.pager.take_evicted();
   s.list.errors = s.pager.take_errors();
   ++s.counts.updates;

@@ -1,23 +1,25 @@
 #include "runtime/paging/load_queue.h"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
 namespace cairn {
 namespace {
 
-constexpr int kTries = 5;
+constexpr int kReportedTries = 5;
 constexpr std::chrono::milliseconds kFirstPause{20};
+constexpr std::chrono::milliseconds kLongestPause{5000};
 // Enough that workers have work from one update to the next at 60 a second, few enough that a turn of the
 // eye is not answered late.
 constexpr std::size_t kDepthPerWorker = 8;
 
 }  // namespace
 
-LoadQueue::LoadQueue(ReadTile read, int workers, int tile_size)
+LoadQueue::LoadQueue(TileSource source, int workers, int tile_size)
     : tile_size_(tile_size),
       depth_(kDepthPerWorker * static_cast<std::size_t>(workers)),
-      loader_(std::move(read), workers) {}
+      loader_(std::move(source), workers, tile_size) {}
 
 std::vector<LoadQueue::Delivery> LoadQueue::deliver(std::uint64_t limit_bytes, Clock::time_point now) {
   std::vector<Delivery> deliveries;
@@ -26,9 +28,14 @@ std::vector<LoadQueue::Delivery> LoadQueue::deliver(std::uint64_t limit_bytes, C
     assert(found != requests_.end() && found->second.under_way);
     Request& request = found->second;
     leave(request);
+    if (!result.tile && result.stopped) continue;
     count(result, request, now);
-    if (!result.tile && tries_again(request, result.tile.error(), now)) continue;
-    requests_.erase(found);
+    if (!result.tile && result.tile.error().code == ErrorCode::failed) {
+      pause(request, now);
+      if (request.tries != kReportedTries) continue;
+    } else {
+      requests_.erase(found);
+    }
     deliveries.push_back({result.entry, std::move(result.tile)});
   }
   return deliveries;
@@ -45,11 +52,16 @@ void LoadQueue::count(const LoadResult& result, const Request& request, Clock::t
   if (request.wanted) latency_ms_.add(std::chrono::duration<double, std::milli>(now - request.since).count());
 }
 
-bool LoadQueue::tries_again(Request& request, const Error& error, Clock::time_point now) const {
-  if (error.code != ErrorCode::failed || request.tries + 1 >= kTries) return false;
-  request.not_before = now + kFirstPause * (1 << request.tries);
+void LoadQueue::pause(Request& request, Clock::time_point now) const {
+  const auto pause = kFirstPause * (1 << std::min(request.tries, 8));
+  request.not_before = now + std::min<Clock::duration>(pause, kLongestPause);
   ++request.tries;
-  return true;
+}
+
+bool LoadQueue::only_failing() const {
+  return !requests_.empty() && std::all_of(requests_.begin(), requests_.end(), [](const auto& item) {
+    return item.second.tries >= kReportedTries;
+  });
 }
 
 void LoadQueue::leave(Request& request) {

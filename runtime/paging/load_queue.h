@@ -14,21 +14,21 @@ namespace cairn {
 /// The owner's side of the loader: what is under way, what waits for another try, and how long it all takes.
 /// One thread only: the owner's.
 ///
-/// A tile: (not wanted) → wanted → under way → delivered, or failed → wanted again after a pause, or given
-/// up. A wanted tile that is not wanted any more is forgotten; one under way is withdrawn if no worker has
-/// begun it, and delivered all the same if one has.
+/// A tile: (not wanted) → wanted → under way → delivered, or failed → wanted again after a pause. A wanted
+/// tile that is not wanted any more is forgotten; one under way is withdrawn if no worker has begun it, and
+/// delivered all the same if one has.
 class LoadQueue {
  public:
   using Clock = std::chrono::steady_clock;
 
-  LoadQueue(ReadTile read, int workers, int tile_size);
+  LoadQueue(TileSource source, int workers, int tile_size);
 
   struct Delivery {
     IndexEntry entry;
-    Result<LoadedTile> tile;  ///< an error means that it was given up
+    Result<LoadedTile> tile;  ///< ErrorCode::failed: five reads in a row have failed, and more will follow
   };
-  /// What has come in, up to the limit of decoded bytes. A disk that fails is asked five times, after 20, 40,
-  /// 80 and 160 ms; damaged bytes are not asked again.
+  /// What has come in, up to the limit of decoded bytes. A tile whose read fails is read again for as long as
+  /// it is wanted, after 20, 40, 80 ms and so on, 5 s at most; a damaged one is not.
   std::vector<Delivery> deliver(std::uint64_t limit_bytes, Clock::time_point now);
 
   /// Says what is wanted now; all else is forgotten or withdrawn.
@@ -43,6 +43,8 @@ class LoadQueue {
   /// Bytes that the tiles under way will need at most.
   std::uint64_t bytes_under_way() const { return bytes_under_way_; }
   std::size_t size() const { return requests_.size(); }
+  /// Whether tiles are wanted, and the last five reads or more of each have failed.
+  bool only_failing() const;
 
   void add_to(PagingStats& stats) const;
 
@@ -58,7 +60,7 @@ class LoadQueue {
   using Requests = std::unordered_map<TileKey, Request>;
 
   void count(const LoadResult& result, const Request& request, Clock::time_point now);
-  bool tries_again(Request& request, const Error& error, Clock::time_point now) const;
+  void pause(Request& request, Clock::time_point now) const;
   void leave(Request& request);
 
   const int tile_size_;

@@ -12,6 +12,8 @@ namespace {
 constexpr std::size_t kMostAtOnce = 16;    // tiles that may replace one without its children in between
 constexpr std::uint64_t kSparePlaces = 5;  // a tile's four children, and a coarser tile to win memory back
 constexpr std::uint64_t kLeastPlaces = 24;
+// While it lasts, an ancestor is drawn instead of a tile that five reads in a row have failed to give.
+constexpr std::chrono::milliseconds kShortestAbsence{320};
 
 std::uint64_t bytes_of_a_place(const TileAvailability& contents) {
   const int size = contents.pack().header().tile_size;
@@ -51,13 +53,14 @@ struct Pager::Need {
   }
 };
 
-Pager::Pager(TileAvailability& contents, ReadTile read, const Occluder& occluder, const PagerOptions& options)
+Pager::Pager(TileAvailability& contents, TileSource source, const Occluder& occluder,
+             const PagerOptions& options)
     : contents_(contents),
       occluder_(occluder),
       options_(options),
       place_bytes_(bytes_of_a_place(contents)),
       capacity_(options.cache_bytes - bytes_of_workers(contents, options.workers)),
-      queue_(std::move(read), options.workers, contents.pack().header().tile_size) {
+      queue_(std::move(source), options.workers, contents.pack().header().tile_size) {
   assert(options.cache_bytes >= least_bytes(contents, options.workers));
   const CutNode root = make_cover_tile({kMinLevel, 0, 0}, contents_, occluder_);
   drawn_ = {CutNode{root.area, std::nullopt, std::nullopt, root.volume}};
@@ -105,34 +108,48 @@ void Pager::request(const ViewFrustum& view) {
   plan(view);
   queue_.set_wanted(missing_, now);
   ask(now);
-  planned_ = settled_;
+  planned_ = settled_ && queue_.size() == 0;
 }
 
 void Pager::receive(LoadQueue::Clock::time_point now) {
+  if (contents_.restore(now)) outdated_ = true, ++availability_version_;
   for (LoadQueue::Delivery& delivery : queue_.deliver(options_.delivery_bytes, now)) {
     planned_ = false;
     if (delivery.tile) {
       cache_.insert(key_of(delivery.entry), std::move(*delivery.tile));
+      if (pauses_.erase(key_of(delivery.entry)) > 0) reported_.erase(key_of(delivery.entry));
     } else {
-      give_up(delivery.entry, delivery.tile.error());
+      note_failure(delivery.entry, delivery.tile.error(), now);
     }
   }
 }
 
-void Pager::give_up(const IndexEntry& entry, const Error& error) {
+void Pager::note_failure(const IndexEntry& entry, const Error& error, LoadQueue::Clock::time_point now) {
   const TileKey key = key_of(entry);
+  const bool is_damaged = error.code != ErrorCode::failed;
   if (reported_.insert(key).second) {
     errors_.push_back(error);
-    ++damaged_;
+    damaged_ += is_damaged;
   }
   const bool is_root = entry.id.level == kMinLevel || !contents_.nearest(entry.layer, parent_of(entry.id));
-  if (entry.layer == Layer::heights && is_root) {
+  if (is_root && !is_damaged) return;  // nothing can stand in for it: the queue goes on trying
+  if (is_root && entry.layer == Layer::heights) {
     cache_.insert(key, flat_tile(entry, contents_.pack().header().tile_size));
     return;
   }
-  contents_.set_damaged(key);
-  ++damage_version_;
+  if (is_damaged) {
+    contents_.set_damaged(key);
+  } else {
+    contents_.set_failing(key, now + next_pause(key));
+  }
+  ++availability_version_;
   outdated_ = true;
+}
+
+/// Doubles the pause each time that a tile could not be read after one.
+LoadQueue::Clock::duration Pager::next_pause(const TileKey& key) {
+  const int doublings = std::min(pauses_[key]++, 4);
+  return kShortestAbsence * (1 << doublings);
 }
 
 bool Pager::is_ready(const CutNode& tile) const {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -35,7 +36,7 @@ class Pager {
  public:
   /// `contents` must outlive the pager; damaged tiles are noted in it. REQUIRES: cache_bytes >=
   /// least_bytes().
-  Pager(TileAvailability& contents, ReadTile read, const Occluder& occluder, const PagerOptions& options);
+  Pager(TileAvailability& contents, TileSource source, const Occluder& occluder, const PagerOptions& options);
 
   /// The least budget that can work with this pack and this many workers.
   static std::uint64_t least_bytes(const TileAvailability& contents, int workers);
@@ -59,8 +60,10 @@ class Pager {
   /// Counts the changes of drawn().
   std::uint64_t drawn_version() const { return drawn_version_; }
   bool is_settled() const { return settled_; }
-  /// Counts the tiles found damaged: after a change the target has to be made anew.
-  std::uint64_t damage_version() const { return damage_version_; }
+  /// Whether all that is missing cannot be read at present.
+  bool only_failing() const { return !settled_ && queue_.only_failing(); }
+  /// Counts the changes of what the pack can show: after one, the target has to be made anew.
+  std::uint64_t availability_version() const { return availability_version_; }
 
   const LoadedTile* find(const IndexEntry& entry) const { return cache_.find(key_of(entry)); }
   std::vector<TileKey> take_evicted() { return cache_.take_evicted(); }
@@ -72,7 +75,8 @@ class Pager {
   struct Need;
 
   void receive(LoadQueue::Clock::time_point now);
-  void give_up(const IndexEntry& entry, const Error& error);
+  void note_failure(const IndexEntry& entry, const Error& error, LoadQueue::Clock::time_point now);
+  LoadQueue::Clock::duration next_pause(const TileKey& key);
   bool replace_what_is_ready();
   bool replace(const CutChange& change, TileCut& next);
   bool is_ready(const CutNode& tile) const;
@@ -97,9 +101,9 @@ class Pager {
   std::vector<IndexEntry> ahead_;
   bool settled_ = false;
   bool planned_ = false;   // and nothing has changed since
-  bool outdated_ = false;  // the target shows tiles that were found damaged since
+  bool outdated_ = false;  // the target shows tiles that cannot be had any more
   std::uint64_t drawn_version_ = 1;
-  std::uint64_t damage_version_ = 0;
+  std::uint64_t availability_version_ = 0;
 
   // The plan of this update.
   std::unordered_set<TileKey> held_;  // drawn, or to be
@@ -108,6 +112,7 @@ class Pager {
 
   std::unordered_set<TileKey> reported_;
   std::vector<Error> errors_;
+  std::unordered_map<TileKey, int> pauses_;  // of tiles whose reads fail
   std::uint64_t damaged_ = 0;
   LoadQueue queue_;  // last, so that its threads end before what they deliver to
 };

@@ -1,15 +1,19 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
+#include <unordered_map>
 #include <unordered_set>
+#include <vector>
 
-#include "cairn/pack_reader.h"
 #include "cairn/loaded_tile.h"
+#include "cairn/pack_reader.h"
 
 namespace cairn {
 
-/// What a pack has to show: the tiles of its index, less those found to be damaged. One thread only.
+/// What a pack has to show: the tiles of its index, less those found to be damaged and, for a while, those
+/// whose reads fail. One thread only.
 class TileAvailability {
  public:
   explicit TileAvailability(std::shared_ptr<const PackReader> pack);
@@ -30,7 +34,14 @@ class TileAvailability {
   /// the coarsest level of a pack is often 0.
   bool is_above_tiles(const TileId& area) const { return above_.contains(area); }
 
-  void set_damaged(const TileKey& key) { damaged_.insert(key); }
+  using Clock = std::chrono::steady_clock;
+  void set_damaged(const TileKey& key) { unavailable_[key] = Clock::time_point::max(); }
+  /// The tile counts as absent until then.
+  void set_failing(const TileKey& key, Clock::time_point until) { unavailable_[key] = until; }
+  /// Ends the absences whose time has come; whether there were any.
+  bool restore(Clock::time_point now);
+  /// The tiles that are absent for a while.
+  std::vector<TileKey> failing() const;
 
   /// A height, in metres, that no ground of the finest tile at the place exceeds, from the index alone, so
   /// that it does not depend on what is loaded. 0 where there is no tile.
@@ -48,7 +59,7 @@ class TileAvailability {
   std::optional<PackReader::LevelRange> heights_;
   std::optional<PackReader::LevelRange> imagery_;
   std::unordered_set<TileId> above_;  // the ancestors of the coarsest tiles, which the pack does not have
-  std::unordered_set<TileKey> damaged_;
+  std::unordered_map<TileKey, Clock::time_point> unavailable_;  // until then
   double lowest_m_ = 0;
 };
 

@@ -148,7 +148,7 @@ Status use_pack(const Options& o, const std::vector<RefinementPattern>& patterns
   const auto pack = open_pack(o);
   if (!pack) return pack.error();
   if (o.loading == 0) {
-    TimedLoader loader(read_from(*pack), o.workers);
+    TimedLoader loader(read_from(*pack), o.workers, (*pack)->header().tile_size);
     return count_over_pack(o, patterns, **pack, loader);
   }
   const auto times = time_loading(*pack, o.loading, o.workers);

@@ -104,14 +104,15 @@ Result<std::vector<LoadingTime>> time_loading(const std::shared_ptr<const PackRe
                                               int workers) {
   const std::vector<IndexEntry> tiles = stored_tiles(*pack, most);
   const ReadTile read = read_from(pack);
-  TimedLoader plain(read, workers);
+  const int tile_size = pack->header().tile_size;
+  TimedLoader plain(read, workers, tile_size);
   TimedLoader with_roughness(
       [read](const IndexEntry& entry) {
         Result<LoadedTile> tile = read(entry);
         if (tile) roughness_of(*tile->heights);
         return tile;
       },
-      workers);
+      workers, tile_size);
   std::vector<LoadingTime> times;
   for (std::size_t blocks = 1; blocks <= tiles.size(); ++blocks) {
     const std::span<const IndexEntry> some = std::span(tiles).first(blocks);

@@ -17,7 +17,7 @@ namespace cairn {
 class TimedLoader {
  public:
   /// REQUIRES: workers >= 1.
-  TimedLoader(ReadTile read, int workers) : loader_(std::move(read), workers) {}
+  TimedLoader(ReadTile read, int workers, int tile_size) : loader_(std::move(read), workers, tile_size) {}
 
   /// Waits for all of them. The first error if there was one.
   Result<MoveLoad> load(std::span<const IndexEntry> tiles);

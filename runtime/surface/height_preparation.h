@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cairn/height_tile.h"
-#include "runtime/paging/tile_loader.h"
+#include "cairn/read_tile.h"
 #include "runtime/surface/surface_tile.h"
 
 namespace cairn::gl {

@@ -10,10 +10,10 @@
 
 #include <time.h>
 
+#include "cairn/terrain.h"
 #include "runtime/paging/tile_availability.h"
 #include "runtime/stats/block_count.h"
 #include "runtime/stats/pack_walk.h"
-#include "cairn/terrain.h"
 
 namespace cairn {
 namespace {
@@ -72,7 +72,7 @@ Status bench_loading(const std::shared_ptr<const PackReader>& pack, int workers)
     const IndexEntry entry = pack->entry(i);
     if (entry.layer == Layer::heights && entry.bytes > 0) stored.push_back(entry);
   }
-  TimedLoader loader(read_from(pack), workers);
+  TimedLoader loader(read_from(pack), workers, pack->header().tile_size);
   std::vector<double> samples;
   double cpu_ms = 0;
   for (std::size_t run = 0; run < 300; ++run) {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "cairn/pack_reader.h"
-#include "runtime/paging/tile_loader.h"
+#include "cairn/read_tile.h"
 #include "tests/support/test_data.h"
 
 namespace cairn::test {

@@ -7,7 +7,6 @@
 
 #include "cairn/height_tile.h"
 #include "cairn/pack_layout.h"
-#include "cairn/status.h"
 #include "cairn/texture_tile.h"
 
 namespace cairn {
@@ -32,9 +31,6 @@ struct LoadedTile {
   /// Bytes of memory that it holds: what its vectors have allocated.
   std::uint64_t bytes() const;
 };
-
-/// Reads and decodes a tile. Called from the worker threads, several at a time.
-using ReadTile = std::function<Result<LoadedTile>(const IndexEntry& entry)>;
 
 /// Bytes of memory that the decoded tile will hold at most, known before it is read.
 std::uint64_t decoded_bytes_bound(const IndexEntry& entry, int tile_size);

@@ -27,10 +27,16 @@ struct RenderTile {
 /// What to draw in a frame. The tiles cover the Earth, each place once, those that are not visible included.
 struct RenderList {
   std::vector<RenderTile> tiles;
-  std::uint64_t version = 0;     ///< the same as before: the same areas show the same data
-  bool is_complete = false;      ///< this is the scene map of the eye; otherwise something is being loaded
+  std::uint64_t version = 0;  ///< the same as before: the same areas show the same data
+  bool is_complete = false;   ///< this is the scene map of the eye, and all its tiles could be read
+  bool is_settled = false;    ///< nothing changes while the eye rests: complete, or the rest cannot be read
+                              ///< at present and is tried again now and then
+  bool is_limited = false;    ///< the eye's own map does not fit the budget: a coarser one is drawn
+  double lowest_m = 0;        ///< no ground of the pack is lower
   std::vector<TileKey> evicted;  ///< no longer in memory since the last update: drop what was made of them
-  std::vector<Error> errors;     ///< tiles found damaged or unreadable since the last update, each once
+  /// What went wrong since the last update: tiles that are damaged or whose reads go on failing, each once,
+  /// and a view that is out of range, once until a view is in range again.
+  std::vector<Error> errors;
 };
 
 }  // namespace cairn

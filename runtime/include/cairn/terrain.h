@@ -6,9 +6,9 @@
 #include <memory>
 #include <optional>
 
-#include "cairn/loaded_tile.h"
 #include "cairn/pack_reader.h"
 #include "cairn/paging_stats.h"
+#include "cairn/read_tile.h"
 #include "cairn/refinement_pattern.h"
 #include "cairn/render_list.h"
 #include "cairn/status.h"
@@ -43,16 +43,21 @@ class Terrain {
   /// usage where an option is out of range or the budget is too small to work with, naming the least.
   static Result<Terrain> open(std::shared_ptr<const PackReader> pack, const TerrainOptions& options = {});
 
-  /// The same with another way to read tiles, for programs that fetch them from elsewhere. `read` is called
-  /// from the worker threads.
+  /// Opens a terrain whose tiles come from elsewhere: `read` is called from the worker threads, `request`
+  /// from the thread that calls update(), with up to eight reads per worker under way at once.
   static Result<Terrain> open(std::shared_ptr<const PackReader> pack, const TerrainOptions& options,
                               ReadTile read);
+  static Result<Terrain> open(std::shared_ptr<const PackReader> pack, const TerrainOptions& options,
+                              RequestTile request);
 
   Terrain(Terrain&&) noexcept;
   Terrain& operator=(Terrain&&) noexcept;
-  ~Terrain();  ///< waits for the reads in progress, one a worker at most
+  /// Waits for the worker threads' reads in progress, one per worker at most. Asynchronous reads are asked to
+  /// stop, and none is waited for.
+  ~Terrain();
 
-  /// Call once a frame; `dt_s` >= 0 is the time since the last call. The list holds until the next call.
+  /// Call once a frame; `dt_s` is the time since the last call, in seconds. The list holds until the next
+  /// call. A view or a time that is out of range is an error in the list, and what was drawn stays.
   const RenderList& update(const ViewState& view, double dt_s);
 
   /// The height, in the pack's vertical datum, of the ground as it is drawn now; nullopt where nothing is
@@ -65,6 +70,8 @@ class Terrain {
 
  private:
   struct State;
+  static Result<Terrain> open_source(std::shared_ptr<const PackReader> pack, const TerrainOptions& options,
+                                     TileSource source);
   explicit Terrain(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };

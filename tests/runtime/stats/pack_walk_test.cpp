@@ -24,7 +24,7 @@ TEST_CASE("a walk over a pack stays over it and loads what its moves add") {
     REQUIRE(has(eye));
   }
   const CountSpec spec{*start, 4, RefinementPattern::restricted, 8, has};
-  TimedLoader loader(read_from(reader), 2);
+  TimedLoader loader(read_from(reader), 2, reader->header().tile_size);
   const auto loads = load_walk(spec, walk, *reader, loader);
   REQUIRE(loads.ok());
   const auto counts = count_walk(spec, walk);
@@ -36,7 +36,8 @@ TEST_CASE("a walk over a pack stays over it and loads what its moves add") {
 TEST_CASE("a tile that cannot be read ends a timed walk with its error") {
   const test::FlightPack pack;
   const auto reader = pack.open();
-  TimedLoader loader([](const IndexEntry&) -> Result<LoadedTile> { return failed("disk: gone"); }, 2);
+  TimedLoader loader([](const IndexEntry&) -> Result<LoadedTile> { return failed("disk: gone"); }, 2,
+                     reader->header().tile_size);
   const std::vector<IndexEntry> tiles(3, reader->entry(0));
   const auto load = loader.load(tiles);
   REQUIRE_FALSE(load.ok());
