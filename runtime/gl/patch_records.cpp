@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <unordered_map>
 
+#include "format/tile_edges.h"
+
 namespace cairn::gl {
 namespace {
 
@@ -45,10 +47,13 @@ void show_imagery(const RenderTile& tile, const GridPatch& grid, ResidentTiles& 
   const auto place = resident.imagery_of(tile);
   if (!place) return;
   const Window window = window_in(tile.imagery_id, grid.area);
-  record.imagery_array = place->array + 1;
   record.imagery_layer = static_cast<std::int32_t>(place->layer);
   record.imagery_origin = glm::vec2(window.x, window.y);
   record.imagery_scale = static_cast<float>(window.scale);
+  const WorldExtent extent = world_extent(tile.imagery_id, resident.tile_size());
+  record.imagery_array_and_extent = static_cast<std::uint32_t>(place->array + 1) |
+                                    static_cast<std::uint32_t>(extent.east) << 8 |
+                                    static_cast<std::uint32_t>(extent.north) << 20;
 }
 
 constexpr float kFiner = -1;
@@ -106,15 +111,16 @@ std::vector<PatchRecord> patch_records(const MeshPlan& plan, std::span<const Sho
     record.cells_north = static_cast<std::uint32_t>(grid.cells_north);
     record.perimeter = static_cast<std::uint32_t>(grid.perimeter);
     record.listed_sides = grid.listed_sides;
-    record.level = grid.area.level;
+    const RenderTile& tile = tiles[grid.from]->tile;
+    record.level = tile.heights ? tile.heights_id.level : tile.area.level;
     show_heights(*tiles[grid.from], grid, resident, record);
     if (record.height_layer >= 0) {
-      const TileId& source = tiles[grid.from]->tile.heights_id;
+      const TileId& source = tile.heights_id;
       const auto [known, fresh] = neighbours.try_emplace(source);
       if (fresh) known->second = all_across(source, layers);
       record.across = known->second;
     }
-    show_imagery(tiles[grid.from]->tile, grid, resident, record);
+    show_imagery(tile, grid, resident, record);
     records.push_back(record);
   }
   return records;

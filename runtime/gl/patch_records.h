@@ -28,7 +28,8 @@ struct PatchRecord {
   std::int32_t height_base = 0;
   std::int32_t height_shift = 0;
   float height_step = 0;
-  std::int32_t imagery_array = 0;
+  /// 8 bits: the array, 0 for none; 12 bits each: the source's texels inside the world, east and north.
+  std::uint32_t imagery_array_and_extent = 0;
   glm::vec2 height_origin{0};
   glm::vec2 imagery_origin{0};
   std::int32_t imagery_layer = 0;

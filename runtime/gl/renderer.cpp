@@ -1,5 +1,6 @@
 #include "runtime/gl/renderer.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -31,9 +32,11 @@ enum Location : GLint {
   kLook = 6,
   kQuantum = 7,
   kHorizon = 8,
-  kVertexKind = 9
+  kVertexKind = 9,
+  kLowest = 10
 };
 enum VertexKind : GLuint { kOfGrid = 0, kOfMethod = 1, kOfWall = 2 };
+constexpr double kLongestFade_s = 2;      // that the exchange of a level takes at most
 constexpr float kFarthestDepth = 1e-30f;  // no terrain is so far that its own would be as small
 enum LookBits : GLuint { kLevelColours = 1, kFog = 2 };
 
@@ -63,7 +66,7 @@ struct Renderer::State {
                 const CameraFrame& camera);
   LodMesh method_mesh(const LodMethodInfo& info, const LodScene& scene, const ViewState& view,
                       double tolerance_px);
-  void set_uniforms(const CameraFrame& camera, const ViewState& view, const FrameLook& look);
+  void set_uniforms(const CameraFrame& camera, const ViewState& view, const FrameLook& look, double lowest_m);
   void draw_sky(const CameraFrame& camera, const ViewState& view);
 };
 
@@ -117,7 +120,8 @@ LodMesh Renderer::State::method_mesh(const LodMethodInfo& info, const LodScene& 
   return method->build(scene, {view, tolerance_px, true});
 }
 
-void Renderer::State::set_uniforms(const CameraFrame& camera, const ViewState& view, const FrameLook& look) {
+void Renderer::State::set_uniforms(const CameraFrame& camera, const ViewState& view, const FrameLook& look,
+                                   double lowest_m) {
   const GLuint program = terrain.name();
   const glm::mat4 clip(clip_from_eye(camera, view));
   glProgramUniform3d(program, kEye, camera.position.x, camera.position.y, camera.position.z);
@@ -126,6 +130,7 @@ void Renderer::State::set_uniforms(const CameraFrame& camera, const ViewState& v
   glProgramUniform1f(program, kQuantum, static_cast<float>(quantum_m));
   const glm::vec4 horizon(horizon_plane(camera.position));
   glProgramUniform4f(program, kHorizon, horizon.x, horizon.y, horizon.z, horizon.w);
+  glProgramUniform1f(sky.name(), kLowest, static_cast<float>(std::min(lowest_m, 0.0)));
   for (const GLuint each : {program, sky.name()}) {
     const glm::vec3 eye(camera.position), sun(look.to_sun);
     glProgramUniform1f(each, kEyeHeight, static_cast<float>(view.height_m));
@@ -194,7 +199,8 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
   // 1. What is seen, uploaded where it was not.
   const double begin = thread_cpu_ms();
   const CameraFrame camera = camera_frame(view);
-  const FrameScale scale{camera.position, 1 / pixel_footprint_m(view, 1), look.tolerance_px};
+  FrameScale scale{camera.position, 1 / pixel_footprint_m(view, 1), look.tolerance_px};
+  if (look.frame_s > 0) scale.longest_fade = std::max(1.0, kLongestFade_s / look.frame_s);
   s.columns.begin_frame();
   s.rows.begin_frame();
   if (look.method) s.shown.cut();
@@ -217,7 +223,7 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
       patch_records(look.method ? scene.windows : plan, seen, s.tiles, s.columns, s.rows);
   counts.patches = records.size();
   // 3. Draw: terrain, then the sky where nothing is.
-  s.set_uniforms(camera, view, look);
+  s.set_uniforms(camera, view, look, list.lowest_m);
   begin_picture(view, look, framebuffer);
   glEnable(GL_CLIP_DISTANCE0);
   glEnable(GL_CLIP_DISTANCE1);

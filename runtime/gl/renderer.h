@@ -7,12 +7,12 @@
 
 #include <glm/vec3.hpp>
 
+#include "cairn/render_list.h"
 #include "cairn/status.h"
+#include "cairn/view_state.h"
 #include "runtime/gl/view_transform.h"
 #include "runtime/lod/lod_method.h"
-#include "cairn/render_list.h"
 #include "runtime/surface/height_preparation.h"
-#include "cairn/view_state.h"
 
 namespace cairn::gl {
 
@@ -22,7 +22,8 @@ struct FrameLook {
   std::optional<glm::vec3> hole_colour;  ///< linear RGB: drawn where no terrain is, instead of the sky
   bool fog = true;
   bool wireframe = false;
-  bool level_colours = false;             ///< a colour for each level instead of imagery or tint
+  bool level_colours = false;             ///< a colour for each level of the tiles instead of imagery or tint
+  double frame_s = 1.0 / 60;              ///< since the last frame: the exchange of levels follows the clock
   double tolerance_px = 1;                ///< screen error that the mesh may add to the tiles' own; > 0
   const LodMethodInfo* method = nullptr;  ///< draws a method's mesh instead of the renderer's own: on one
                                           ///< thread, tiles exchanged at once, so for comparing pictures

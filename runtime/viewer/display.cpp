@@ -1,6 +1,7 @@
 #include "runtime/viewer/display.h"
 
 #include <string>
+#include <utility>
 
 #include <epoxy/gl.h>
 // GLFW comes after epoxy, which declares OpenGL.
@@ -31,11 +32,23 @@ Result<std::unique_ptr<Display>> Display::open(Size size) {
   if (!display->window_) return no_display();
   glfwMakeContextCurrent(display->window_);
   glfwSwapInterval(1);
+  glfwSetWindowUserPointer(display->window_, display.get());
+  glfwSetKeyCallback(display->window_, on_key);  // ImGui's own, set below, calls it
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;
   ImGui_ImplGlfw_InitForOpenGL(display->window_, true);
   ImGui_ImplOpenGL3_Init("#version 450 core");
   return display;
+}
+
+void Display::on_key(GLFWwindow* window, int key, int, int action, int modifiers) {
+  if (action != GLFW_PRESS) return;
+  auto* display = static_cast<Display*>(glfwGetWindowUserPointer(window));
+  display->presses_.push_back({key, (modifiers & GLFW_MOD_SHIFT) != 0});
+}
+
+std::vector<KeyPress> Display::take_key_presses() {
+  return std::exchange(presses_, {});
 }
 
 Display::~Display() {

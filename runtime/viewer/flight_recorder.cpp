@@ -1,7 +1,9 @@
 #include "runtime/viewer/flight_recorder.h"
 
 #include <algorithm>
-#include <fstream>
+#include <cstdio>
+
+#include "runtime/viewer/numbered_file.h"
 
 namespace cairn::viewer {
 
@@ -11,11 +13,15 @@ std::string FlightRecorder::toggle() {
     time_s_ = 0;
     return "recording; R ends it";
   }
-  const std::string name = "flight-" + std::to_string(++saved_) + ".json";
-  std::ofstream out(name, std::ios::trunc);
-  out << to_json(*flight_);
+  const std::string json = to_json(*flight_);
   flight_.reset();
-  return out.flush() ? "saved " + name : name + ": flight: expected to write it, found that it cannot be";
+  const Result<NumberedFile> file = create_numbered("flight", "json", saved_ + 1);
+  if (!file) return file.error().message;
+  saved_ = file->number;
+  const bool written = std::fwrite(json.data(), 1, json.size(), file->file.get()) == json.size() &&
+                       std::fflush(file->file.get()) == 0;
+  return written ? "saved " + file->name
+                 : file->name + ": flight: expected to write it, found that it cannot be";
 }
 
 void FlightRecorder::add(const ViewState& view, double dt_s) {

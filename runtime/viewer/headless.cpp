@@ -54,6 +54,7 @@ class FlightRun {
     for (std::size_t i = 0; i < flight_.frame_count(); ++i) {
       view = at(view, i);
       look.to_sun = sun_direction(view.eye, options_.hour);
+      look.frame_s = 1 / flight_.frames_per_second;
       const Status done = frame(i, view, look);
       if (!done) return done;
       report(scene_, messages);
@@ -126,7 +127,30 @@ class FlightRun {
 
 }  // namespace
 
+namespace {
+
+/// An output that is the pack or the flight would destroy it.
+Status check_outputs(const Options& options) {
+  struct Output {
+    const char* option;
+    const std::filesystem::path& path;
+  };
+  for (const Output& output : {Output{"--screenshot", options.screenshot}, Output{"--video", options.video},
+                               Output{"--stats", options.stats}}) {
+    for (const std::filesystem::path& input : {options.pack, options.flight}) {
+      std::error_code none;
+      if (output.path.empty() || !std::filesystem::equivalent(output.path, input, none)) continue;
+      return usage_error(std::string(output.option) + ": expected a file that is not read, found " +
+                         output.path.string());
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
 Status run_headless(const Options& options, std::ostream& messages) {
+  if (const Status status = check_outputs(options); !status) return status;
   const Result<Size> size = parse_size(options.size);
   if (!size) return size.error();
   const Result<gl::FrameLook> look = look_of(options);

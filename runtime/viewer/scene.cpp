@@ -78,7 +78,7 @@ gl::FrameCounts Scene::draw(const ViewState& view, double dt_s, const gl::FrameL
 }
 
 void Scene::load_all(const ViewState& view) {
-  for (update(view, 0); !list_->is_complete; update(view, 0)) {
+  for (update(view, 0); !list_->is_settled; update(view, 0)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }

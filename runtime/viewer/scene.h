@@ -5,10 +5,10 @@
 
 #include "cairn/pack_reader.h"
 #include "cairn/status.h"
+#include "cairn/terrain.h"
 #include "runtime/flight/camera_text.h"
 #include "runtime/gl/frame_target.h"
 #include "runtime/gl/renderer.h"
-#include "cairn/terrain.h"
 #include "runtime/viewer/options.h"
 
 namespace cairn::viewer {
@@ -26,7 +26,8 @@ class Scene {
   /// One frame into the framebuffer.
   gl::FrameCounts draw(const ViewState& view, double dt_s, const gl::FrameLook& look, unsigned framebuffer);
 
-  /// Draws no frame, but lets the terrain load until the view has all that the pack has for it.
+  /// Draws no frame, but lets the terrain load until the view has all that the pack has for it and that can
+  /// be read.
   void load_all(const ViewState& view);
 
   /// The next frame has nothing to do with the last one: what it shows is not on its way from there.
@@ -55,8 +56,9 @@ class Scene {
   std::vector<Error> errors_;
 };
 
-/// The direction to the sun, geocentric, at an hour of local solar time at the place, 0…24, at the summer
-/// solstice of the place's hemisphere.
+/// Returns the direction to the sun, geocentric, at an hour of local solar time at the place, 0…24. The day
+/// is the one on which the sun stands highest there: the summer solstice outside the tropics, inside them the
+/// day on which it passes the zenith.
 glm::dvec3 sun_direction(LonLat place, double hour);
 
 /// The view that the pack's bounds fill.

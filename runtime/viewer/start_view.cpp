@@ -5,8 +5,8 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "runtime/flight/camera_text.h"
 #include "cairn/geodesy.h"
+#include "runtime/flight/camera_text.h"
 #include "runtime/viewer/scene.h"
 
 namespace cairn::viewer {
@@ -28,7 +28,7 @@ GeoBounds bounds_of(const PackReader& pack) {
 
 glm::dvec3 sun_direction(LonLat place, double hour) {
   const double lon = glm::radians(place.lon - (hour - 12) * 15);
-  const double lat = glm::radians(place.lat < 0 ? -kDeclination : kDeclination);
+  const double lat = glm::radians(std::clamp(place.lat, -kDeclination, kDeclination));
   return {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
 }
 

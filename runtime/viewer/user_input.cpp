@@ -32,10 +32,6 @@ void add_pad(ControlInput& input, double dt_s) {
 
 }  // namespace
 
-bool key_pressed(int key) {
-  return !ImGui::GetIO().WantTextInput && ImGui::IsKeyPressed(key, false);
-}
-
 bool key_held(int key) {
   return !ImGui::GetIO().WantTextInput && ImGui::IsKeyDown(key);
 }

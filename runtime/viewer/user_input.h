@@ -5,7 +5,6 @@
 namespace cairn::viewer {
 
 /// Keys as GLFW names them, of the frame that ImGui has begun; none while the user types into the panel.
-bool key_pressed(int key);  ///< went down in this frame
 bool key_held(int key);
 bool shift_held();
 

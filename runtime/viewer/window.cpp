@@ -19,6 +19,7 @@
 #include "runtime/viewer/camera_controls.h"
 #include "runtime/viewer/display.h"
 #include "runtime/viewer/flight_recorder.h"
+#include "runtime/viewer/numbered_file.h"
 #include "runtime/viewer/panel.h"
 #include "runtime/viewer/png_file.h"
 #include "runtime/viewer/scene.h"
@@ -31,16 +32,16 @@ constexpr double kLongestFrame = 0.1;  // seconds that a stall may move the eye
 
 class Session {
  public:
-  Session(const Options& options, Scene scene, gl::FrameLook look, ViewState view, GLFWwindow* window,
+  Session(const Options& options, Scene scene, gl::FrameLook look, ViewState view, Display& display,
           std::ostream& messages)
-      : scene_(std::move(scene)), look_(look), view_(view), window_(window), messages_(messages) {
+      : scene_(std::move(scene)), look_(look), view_(view), display_(display), messages_(messages) {
     panel_.hour = options.hour;
     panel_.go_to = {view.eye.lon, view.eye.lat, view.height_m};
   }
 
   Status run() {
     double last = glfwGetTime();
-    while (!glfwWindowShouldClose(window_)) {
+    while (!glfwWindowShouldClose(display_.window())) {
       glfwPollEvents();
       const double now = glfwGetTime();
       const double dt = now - last;
@@ -48,20 +49,22 @@ class Session {
       panel_.frame_ms[static_cast<std::size_t>(panel_.frame_index)] = static_cast<float>(dt * 1000);
       panel_.frame_index = (panel_.frame_index + 1) % static_cast<int>(panel_.frame_ms.size());
       int width = 0, height = 0;
-      glfwGetFramebufferSize(window_, &width, &height);
+      glfwGetFramebufferSize(display_.window(), &width, &height);
       // Minimised, some systems say a size of 0 and others the one from before.
-      if (width < 1 || height < 1 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED)) {
+      if (width < 1 || height < 1 || glfwGetWindowAttrib(display_.window(), GLFW_ICONIFIED)) {
         glfwWaitEventsTimeout(0.1);
+        display_.take_key_presses();
         continue;
       }
-      const Status drawn = frame({width, height}, std::min(dt, kLongestFrame));
+      const Status drawn = frame({width, height}, dt);
       if (!drawn) return drawn;
     }
     return {};
   }
 
  private:
-  Status frame(Size size, double dt_s) {
+  Status frame(Size size, double since_last_s) {
+    const double dt_s = std::min(since_last_s, kLongestFrame);
     if (!target_ || target_->width() != size.width || target_->height() != size.height) {
       Result<gl::FrameTarget> target = gl::FrameTarget::create(size.width, size.height);
       if (!target) return target.error();
@@ -72,9 +75,12 @@ class Session {
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
-    handle_keys();
+    for (const KeyPress& press : display_.take_key_presses()) {
+      if (!ImGui::GetIO().WantTextInput) handle_key(press);
+    }
     view_ = controls_.update(view_, read_controls(dt_s), dt_s, ground_m());
     look_.to_sun = sun_direction(view_.eye, panel_.hour);
+    look_.frame_s = since_last_s;
     panel_.counts = scene_.draw(view_, dt_s, look_, target_->framebuffer());
     panel_.paging = scene_.terrain().stats();
     for (const Error& error : scene_.take_errors()) {
@@ -82,26 +88,26 @@ class Session {
       panel_.message = error.message;
     }
     recorder_.add(view_, dt_s);
-    if (wants_screenshot_) save_screenshot();
+    if (takes_screenshot_) save_screenshot();
     show(size);
     return {};
   }
 
-  void handle_keys() {
+  void handle_key(const KeyPress& press) {
     const auto toggles = {std::pair(GLFW_KEY_F1, &panel_.shows_help), {GLFW_KEY_F2, &panel_.shows_panel},
                           {GLFW_KEY_F3, &panel_.shows_map},           {GLFW_KEY_F4, &look_.wireframe},
                           {GLFW_KEY_F5, &look_.level_colours},        {GLFW_KEY_F6, &look_.fog}};
     for (const auto& [key, flag] : toggles) {
-      if (key_pressed(key)) *flag = !*flag;
+      if (press.key == key) *flag = !*flag;
     }
-    if (key_pressed(GLFW_KEY_ESCAPE)) glfwSetWindowShouldClose(window_, GLFW_TRUE);
-    if (key_pressed(GLFW_KEY_F12)) wants_screenshot_ = true;
-    if (key_pressed(GLFW_KEY_T)) panel_.hour = std::fmod(panel_.hour + (shift_held() ? 23 : 1), 24.0);
-    if (key_pressed(GLFW_KEY_R)) panel_.message = recorder_.toggle();
-    if (key_pressed(GLFW_KEY_HOME)) {
+    if (press.key == GLFW_KEY_ESCAPE) glfwSetWindowShouldClose(display_.window(), GLFW_TRUE);
+    if (press.key == GLFW_KEY_F12) takes_screenshot_ = true;
+    if (press.key == GLFW_KEY_T) panel_.hour = std::fmod(panel_.hour + (press.with_shift ? 23 : 1), 24.0);
+    if (press.key == GLFW_KEY_R) panel_.message = recorder_.toggle();
+    if (press.key == GLFW_KEY_HOME) {
       view_ = start_view(scene_.pack(), view_.fov_y_deg, {view_.viewport_width_px, view_.viewport_height_px});
     }
-    if (key_pressed(GLFW_KEY_TAB)) {
+    if (press.key == GLFW_KEY_TAB) {
       const bool orbits = controls_.mode() == CameraMode::free;
       const double down = std::max(std::sin(-view_.pitch_deg * 3.14159265358979 / 180), 0.05);
       controls_.set_mode(orbits ? CameraMode::orbit : CameraMode::free, (view_.height_m - ground_m()) / down);
@@ -111,10 +117,15 @@ class Session {
   double ground_m() const { return scene_.list() ? scene_.ground_m(view_.eye) : 0; }
 
   void save_screenshot() {
-    wants_screenshot_ = false;
-    const std::string name = "cairn-" + std::to_string(++saved_) + ".png";
-    const Status written = write_png(name, target_->read());
-    panel_.message = written ? "saved " + name : written.error().message;
+    takes_screenshot_ = false;
+    const Result<NumberedFile> file = create_numbered("cairn", "png", saved_ + 1);
+    if (!file) {
+      panel_.message = file.error().message;
+      return;
+    }
+    saved_ = file->number;
+    const Status written = write_png(*file, target_->read());
+    panel_.message = written ? "saved " + file->name : written.error().message;
   }
 
   void show(Size size) {
@@ -129,20 +140,20 @@ class Session {
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-    glfwSwapBuffers(window_);
+    glfwSwapBuffers(display_.window());
   }
 
   Scene scene_;
   gl::FrameLook look_;
   ViewState view_;
-  GLFWwindow* window_;
+  Display& display_;
   std::ostream& messages_;
   CameraControls controls_;
   PanelState panel_;
   std::optional<gl::FrameTarget> target_;
   FlightRecorder recorder_;
-  int saved_ = 0;
-  bool wants_screenshot_ = false;
+  int saved_ = 0;  // the number of the last screenshot
+  bool takes_screenshot_ = false;
 };
 
 }  // namespace
@@ -158,7 +169,7 @@ Status run_window(const Options& options, std::ostream& messages) {
   if (!scene) return scene.error();
   const Result<ViewState> view = view_of(options, scene->pack(), *size);
   if (!view) return view.error();
-  return Session(options, std::move(*scene), *look, *view, (*display)->window(), messages).run();
+  return Session(options, std::move(*scene), *look, *view, **display, messages).run();
 }
 
 }  // namespace cairn::viewer

@@ -83,6 +83,15 @@ TEST_CASE("cairn view refuses what it cannot do in one line, by exit code") {
   CHECK(code({pack, "--hole-colour", "mauve", "--screenshot", png}) == 2);
   CHECK(code({pack, "--method", "best", "--screenshot", png}) == 2);
   CHECK(code({pack, "--cache", "1", "--screenshot", png}) == 2);
+  const auto pack_bytes = fs::file_size(pack);
+  fs::create_symlink(pack, dir.path() / "link.png");
+  CHECK(code({pack, "--screenshot", pack}) == 2);
+  CHECK(code({pack, "--screenshot", (dir.path() / "link.png").string()}) == 2);
+  const std::string flight = write_flight(dir, 1);
+  const auto flight_bytes = fs::file_size(flight);
+  CHECK(code({pack, "--flight", flight, "--stats", flight}) == 2);
+  CHECK(fs::file_size(pack) == pack_bytes);
+  CHECK(fs::file_size(flight) == flight_bytes);
   CHECK(code({pack, "--no-such-option"}) == 2);
   CHECK(code({(dir.path() / "absent.cairn").string(), "--screenshot", png}) != 0);
   CHECK(code({pack, "--screenshot", (dir.path() / "no" / "folder.png").string()}) == 1);

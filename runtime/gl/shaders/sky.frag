@@ -4,6 +4,7 @@ layout(location = 3) uniform vec3 eye_geocentric;
 layout(location = 4) uniform vec3 to_sun;
 layout(location = 5) uniform float eye_height;
 layout(location = 6) uniform uint look;  // bits: 2 fog
+layout(location = 10) uniform float lowest;  // metres: no ground of the pack is lower; 0 or below
 
 layout(location = 0) in vec3 ray;
 layout(location = 0) out vec4 colour;
@@ -14,13 +15,16 @@ const float kRadius = 6371000.0, kTop = 100000.0, kScale = 8000.0;
 const vec3 kScatter = vec3(5.8e-6, 13.5e-6, 33.1e-6);
 const int kSteps = 16;
 
-const vec3 kRadii = vec3(6378137.0, 6378137.0, 6356752.3142);
 const vec3 kBare = vec3(0.09, 0.10, 0.11);
 
-// How far the ellipsoid is along the ray, < 0 where the ray misses it; what lies above it is drawn as terrain, so that
-// this is seen through holes only.
+vec3 radii() {
+  return vec3(6378137.0, 6378137.0, 6356752.3142) + lowest;
+}
+
+// How far the lowest ground may be along the ray, < 0 where the ray misses it; what lies above it is drawn as terrain, so
+// that this is seen through holes only, and never above the horizon of a sea floor.
 float distance_to_ground(vec3 d) {
-  vec3 e = eye_geocentric / kRadii, s = d / kRadii;
+  vec3 e = eye_geocentric / radii(), s = d / radii();
   float a = dot(s, s), b = dot(e, s), c = dot(e, e) - 1.0;
   if (b >= 0.0) return -1.0;
   if (c <= 0.0) return 0.0;
@@ -28,9 +32,9 @@ float distance_to_ground(vec3 d) {
   return root < 0.0 ? -1.0 : c / (-b + sqrt(root));
 }
 
-// As terrain.frag draws areas for which the pack has nothing, at height 0.
+// As terrain.frag draws areas for which the pack has nothing.
 vec3 bare_ground(vec3 d, float distance) {
-  vec3 up = normalize((eye_geocentric + d * distance) / (kRadii * kRadii));
+  vec3 up = normalize((eye_geocentric + d * distance) / (radii() * radii()));
   float day = smoothstep(-0.12, 0.15, dot(up, to_sun));
   vec3 light = max(dot(up, to_sun), 0.0) * day * vec3(1.12, 1.06, 0.95) + (0.04 + 0.22 * day) * vec3(0.75, 0.9, 1.15);
   float a = max(eye_height, 0.0) / kScale;

@@ -19,7 +19,7 @@ layout(location = 2) in float height;
 layout(location = 3) flat in vec4 heights_window;
 layout(location = 4) flat in vec4 imagery_window;
 layout(location = 5) flat in ivec4 patch_facts;
-layout(location = 6) flat in vec2 patch_extent;
+layout(location = 6) flat in vec4 extents;
 layout(location = 7) flat in vec4 across[4];  // south, north, west, east
 
 layout(location = 0) out vec4 colour;
@@ -46,7 +46,7 @@ vec3 level_colour(int level) {
 
 // Interpolated in a thin triangle, a place may round to one outside the patch, even beyond the end of the world.
 vec2 within_patch() {
-  return clamp(patch_place, vec2(0), patch_extent);
+  return clamp(patch_place, vec2(0), extents.xy);
 }
 
 bool has_heights() {
@@ -70,14 +70,25 @@ float tile_height() {
 
 const vec3 kNoData = vec3(0.09, 0.10, 0.11);
 
+// A tile that overhangs the world has void texels there. The filter must not reach them: the place stays half a texel of
+// the coarser of the two mips inside the world.
+vec2 imagery_place(vec2 along_x, vec2 along_y) {
+  vec2 place = imagery_window.xy + within_patch() * imagery_window.z;
+  float texels = exp2(float(tile_cells_log2));
+  float footprint = max(length(along_x), length(along_y)) * texels;
+  float width = exp2(clamp(ceil(log2(max(footprint, 1.0))), 0.0, float(tile_cells_log2)));
+  vec2 last = (max(floor(extents.zw / width), vec2(1)) - 0.5) * width / texels;
+  return mix(place, min(place, last), lessThan(extents.zw, vec2(texels)));
+}
+
 vec3 surface_colour() {
   vec3 plain = has_heights() ? tint(tile_height()) : kNoData;
   if ((look & 1u) != 0u) return level_colour(patch_facts.w);
   if (patch_facts.x == 0) return plain;
-  vec2 place = imagery_window.xy + within_patch() * imagery_window.z;
-  vec3 at = vec3(place.x, 1.0 - place.y, imagery_window.w);  // imagery's rows run from north to south
   vec2 along_x = dFdx(patch_place) * imagery_window.z * vec2(1, -1);
   vec2 along_y = dFdy(patch_place) * imagery_window.z * vec2(1, -1);
+  vec2 place = imagery_place(along_x, along_y);
+  vec3 at = vec3(place.x, 1.0 - place.y, imagery_window.w);  // imagery's rows run from north to south
   vec4 texel = patch_facts.x == 1   ? textureGrad(bc1, at, along_x, along_y)
                : patch_facts.x == 2 ? textureGrad(bc3, at, along_x, along_y)
                                     : textureGrad(bc7, at, along_x, along_y);

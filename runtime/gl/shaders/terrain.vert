@@ -12,7 +12,7 @@ struct Patch {
   int height_base;    // quanta
   int height_shift;
   float height_step;    // samples of the source a cell
-  int imagery_array;    // 0: none; 1 BC1, 2 BC3, 3 BC7
+  uint imagery_array_and_extent;  // 8 bits: 0 none, 1 BC1, 2 BC3, 3 BC7; 12 bits each: texels inside the world, east, north
   vec2 height_origin;   // the source's sample at the patch's south-west corner
   vec2 imagery_origin;  // 0…1 in the source, from its south-west corner
   int imagery_layer;
@@ -54,7 +54,7 @@ layout(location = 2) out float height;
 layout(location = 3) flat out vec4 heights_window;  // origin and scale in the source, 0…1; layer
 layout(location = 4) flat out vec4 imagery_window;
 layout(location = 5) flat out ivec4 patch_facts;  // imagery's array, heights' base and shift, level
-layout(location = 6) flat out vec2 patch_extent;  // what of 0…1 is in the world
+layout(location = 6) flat out vec4 extents;  // inside the world: of the patch, 0…1; of the imagery, texels
 layout(location = 7) flat out vec4 across[4];
 
 out gl_PerVertex {
@@ -189,9 +189,9 @@ void main() {
   gl_ClipDistance[0] = is_void ? -1e9 : 1.0;
   gl_ClipDistance[1] = dot(horizon.xyz, from_eye) + horizon.w;
   float cells = float(1u << p.cells_log2), tile_cells = exp2(float(tile_cells_log2));
-  patch_extent = vec2(p.cells_east, p.cells_north) / cells;
+  extents = vec4(vec2(p.cells_east, p.cells_north) / cells, vec2(p.imagery_array_and_extent >> 8 & 4095u, p.imagery_array_and_extent >> 20));
   heights_window = vec4(p.height_origin / tile_cells, cells * p.height_step / tile_cells, float(p.height_layer));
   imagery_window = vec4(p.imagery_origin, p.imagery_scale, float(p.imagery_layer));
   across = p.across;
-  patch_facts = ivec4(p.imagery_array, p.height_base, p.height_shift, p.level);
+  patch_facts = ivec4(p.imagery_array_and_extent & 255u, p.height_base, p.height_shift, p.level);
 }
