@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "format/pack_reader.h"
+#include "cairn/pack_reader.h"
 #include "cairn/status.h"
 
 namespace cairn {

@@ -9,7 +9,7 @@
 #include "builder/bake/journal.h"
 #include "builder/bake/output_check.h"
 #include "format/file.h"
-#include "format/pack_layout.h"
+#include "cairn/pack_layout.h"
 
 namespace cairn {
 namespace {
