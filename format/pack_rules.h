@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cairn/pack_reader.h"
-#include "format/pack_verify.h"
+#include "format/finding.h"
 #include "format/tile_edges.h"
 
 namespace cairn {

@@ -2,18 +2,12 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <string>
 #include <vector>
 
 #include "cairn/status.h"
+#include "format/finding.h"
 
 namespace cairn {
-
-/// One thing that is wrong with a pack.
-struct Finding {
-  std::string where;  ///< "header", "index", "metadata", "blocks", or a tile as "heights 2/833/507"
-  std::string what;   ///< expected X, found Y
-};
 
 struct VerifyReport {
   std::vector<Finding> findings;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "cairn/pack_reader.h"
-#include "format/pack_verify.h"
+#include "format/finding.h"
 
 namespace cairn {
 

@@ -1,8 +1,5 @@
 #include "builder/imagery/image_resample.h"
 
-#include "builder/imagery/resample_separable.h"
-#include "builder/imagery/resample_warped.h"
-
 namespace cairn {
 
 Result<ResampledImage> resample_image(const RasterSource& source, const TexelWindow& window, double turn,

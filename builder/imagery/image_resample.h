@@ -24,4 +24,14 @@ struct ResampledImage {
 Result<ResampledImage> resample_image(const RasterSource& source, const TexelWindow& window, double turn,
                                       bool with_rims);
 
+/// resample_image() of an image whose columns depend on the longitude alone and its rows on the latitude
+/// alone: one axis after the other.
+Result<ResampledImage> resample_separable(const RasterSource& source, const TexelWindow& window, double turn,
+                                          bool with_rims);
+
+/// resample_image() of an image in a projection that bends the grid (UTM): in two dimensions, at positions
+/// that a ProjectionMesh of the projection gives.
+Result<ResampledImage> resample_warped(const RasterSource& source, const TexelWindow& window, double turn,
+                                       bool with_rims);
+
 }  // namespace cairn

@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include "builder/imagery/srgb.h"
-#include "builder/imagery/texel_loops.h"
 
 namespace cairn {
 

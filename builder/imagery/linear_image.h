@@ -1,19 +1,15 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "builder/imagery/texel_loops.h"
 #include "builder/imagery/uninitialized_vector.h"
 
 namespace cairn {
-
-/// One texel in linear light: R, G, B times alpha, and alpha, in steps of 1/65535. So averages need no
-/// weights, and what is transparent never bleeds.
-using LinearTexel = std::array<std::uint16_t, 4>;
 
 /// An image of linear texels, rows from the north.
 class LinearImage {

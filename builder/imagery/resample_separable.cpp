@@ -1,8 +1,7 @@
-#include "builder/imagery/resample_separable.h"
-
 #include <algorithm>
 #include <cmath>
 
+#include "builder/imagery/image_resample.h"
 #include "builder/imagery/linear_pixels.h"
 #include "builder/imagery/pixel_block.h"
 #include "builder/imagery/pixel_taps.h"

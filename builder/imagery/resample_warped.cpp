@@ -1,10 +1,9 @@
-#include "builder/imagery/resample_warped.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include "builder/imagery/image_resample.h"
 #include "builder/imagery/linear_pixels.h"
 #include "builder/imagery/pixel_block.h"
 #include "builder/imagery/pixel_taps.h"

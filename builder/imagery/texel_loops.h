@@ -1,16 +1,20 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "builder/imagery/kernels/kernels.h"
-#include "builder/imagery/linear_image.h"
 #include "builder/imagery/pixel_taps.h"
 #include "builder/resample/projection_mesh.h"
 #include "builder/texture_encode/texture_encode.h"
 
 namespace cairn {
+
+/// One texel in linear light: R, G, B times alpha, and alpha, in steps of 1/65535. So averages need no
+/// weights, and what is transparent never bleeds.
+using LinearTexel = std::array<std::uint16_t, 4>;
 
 /// The inner loops of resampling, for one instruction set. All give the same bits. Sums are clamped, since a
 /// cubic overshoots: alpha to 0…65535, colours to 0…alpha.
