@@ -1,8 +1,13 @@
-#include "builder/bake_estimate.h"
+#include "cairn/bake_estimate.h"
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
+#include <vector>
 
+#include "builder/bake/bake_target.h"
+#include "builder/bake/thread_arena.h"
+#include "builder/bake_plan.h"
 #include "builder/heights/height_leaf.h"
 #include "format/codec.h"
 #include "format/height_block.h"
@@ -12,8 +17,7 @@ namespace {
 
 constexpr std::size_t kTrials = 8;
 
-}  // namespace
-
+// Puts what the whole will take into `dry`.
 Status estimate(const Mosaic& mosaic, const HeightPlan& plan, VoidMode voids, int threads, DryRun& dry) {
   const std::vector<TileId> units = plan.tree().units();
   const std::size_t trials = std::min(kTrials, units.size());
@@ -21,9 +25,10 @@ Status estimate(const Mosaic& mosaic, const HeightPlan& plan, VoidMode voids, in
   std::uint64_t bytes = 0;
   for (std::size_t t = 0; t < trials; ++t) {
     const std::vector<TileId> leaves = plan.tree().leaves(units[t * units.size() / trials]);
-    const auto baked = bake_leaf(mosaic, plan, leaves[leaves.size() / 2], voids);
-    if (!baked) return baked.error();
-    bytes += encode_height_block(baked->tile, default_height_codec()).size();
+    auto leaf = sample_leaf(mosaic, plan, leaves[leaves.size() / 2], voids);
+    if (!leaf) return leaf.error();
+    const HeightNode node = measure_leaf(mosaic, plan, std::move(*leaf));
+    bytes += encode_height_block(node.tile, default_height_codec()).size();
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -36,6 +41,32 @@ Status estimate(const Mosaic& mosaic, const HeightPlan& plan, VoidMode voids, in
   dry.estimated_seconds =
       seconds * static_cast<double>(leaves) / static_cast<double>(trials * static_cast<std::size_t>(threads));
   return {};
+}
+
+}  // namespace
+
+Result<DryRun> dry_run(const BuildOptions& options) {
+  return with_threads(options.session.threads, [&](int threads) -> Result<DryRun> {
+    if (auto status = check_target_is_no_input(options.session.target, files_of(options)); !status)
+      return status.error();
+    const auto layers = plan_bake(options, threads);
+    if (!layers) return layers.error();
+    DryRun dry;
+    dry.tile_size = options.grid.tile_size;
+    dry.bounds = layers->bounds();
+    dry.memory_bytes = options.session.memory_bytes;
+    if (layers->imagery) dry.texture_tiles = layers->imagery_tree->tiles_by_level();
+    if (!layers->heights) return dry;
+    const HeightPlan& plan = *layers->plan;
+    dry.top = plan.top();
+    dry.finest = plan.finest();
+    dry.error_bound_m = plan.error_bound_m();
+    dry.quantum_m = plan.quantum_m();
+    dry.tiles = plan.tree().tiles_by_level();
+    if (auto status = estimate(*layers->heights, plan, options.heights.voids, threads, dry); !status)
+      return status.error();
+    return dry;
+  });
 }
 
 }  // namespace cairn

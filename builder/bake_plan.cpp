@@ -9,18 +9,18 @@ namespace cairn {
 namespace {
 
 // As coarse as the heights, so that the layers are drawn together from afar.
-int imagery_top(const BakePlan& layers, const BuildOptions& options) {
-  if (options.top) return std::min(*options.top, layers.imagery->finest_level());
+int imagery_top(const BakePlan& layers, const GridOptions& grid) {
+  if (grid.top) return std::min(*grid.top, layers.imagery->finest_level());
   const int own = layers.imagery->is_global() ? kMinLevel : std::min(0, layers.imagery->finest_level());
   return layers.plan ? std::min(own, layers.plan->top()) : own;
 }
 
-TileTree imagery_tree(const BakePlan& layers, const BuildOptions& options) {
+TileTree imagery_tree(const BakePlan& layers, const GridOptions& grid) {
   Footprint wanted;
-  if (options.region) wanted.add(*options.region);
+  if (grid.region) wanted.add(*grid.region);
   const ImageryMosaic& imagery = *layers.imagery;
-  const bool everywhere = !options.region;
-  return TileTree(imagery_top(layers, options), [&imagery, wanted, everywhere](const TileId& id) {
+  const bool everywhere = !grid.region;
+  return TileTree(imagery_top(layers, grid), [&imagery, wanted, everywhere](const TileId& id) {
     return everywhere || wanted.overlaps(without_overhang(tile_bounds(id))) ? imagery.native_level(id)
                                                                             : std::nullopt;
   });
@@ -35,27 +35,35 @@ GeoBounds BakePlan::bounds() const {
   return all.bounds();
 }
 
+std::vector<std::filesystem::path> files_of(const BuildOptions& options) {
+  std::vector<std::filesystem::path> files = options.mosaic.inputs;
+  const auto& images = options.imagery.inputs;
+  files.insert(files.end(), images.begin(), images.end());
+  if (options.mosaic.geoid) files.push_back(*options.mosaic.geoid);
+  return files;
+}
+
 Result<BakePlan> plan_bake(const BuildOptions& options, int threads) {
   BakePlan layers;
   // The layers are baked one after the other, and the heights' sources closed in between.
   const bool with_imagery = !options.imagery.inputs.empty();
   const std::size_t cache =
-      divide_memory(options.memory_bytes, threads, options.tile_size, with_imagery).cache_bytes;
-  if (!options.inputs.empty()) {
-    auto mosaic = Mosaic::open(options, cache);
+      divide_memory(options.session.memory_bytes, threads, options.grid.tile_size, with_imagery).cache_bytes;
+  if (!options.mosaic.inputs.empty()) {
+    auto mosaic = Mosaic::open(options.mosaic, options.grid.tile_size, cache);
     if (!mosaic) return mosaic.error();
     layers.heights = std::move(*mosaic);
-    auto plan = HeightPlan::make(*layers.heights, options);
+    auto plan = HeightPlan::make(*layers.heights, options.mosaic, options.heights, options.grid);
     if (!plan) return plan.error();
     layers.plan = std::move(*plan);
   }
   if (with_imagery) {
-    auto mosaic = ImageryMosaic::open(options.imagery, options.tile_size - 1, cache);
+    auto mosaic = ImageryMosaic::open(options.imagery, options.grid.tile_size - 1, cache);
     if (!mosaic) return mosaic.error();
     layers.imagery = std::move(*mosaic);
-    layers.imagery_tree = imagery_tree(layers, options);
+    layers.imagery_tree = imagery_tree(layers, options.grid);
     if (!layers.heights && layers.imagery_tree->leaf_count() == 0)
-      return usage_error("--region: expected an area that the sources cover, found none");
+      return usage_error("region: expected an area that the sources cover, found none");
   }
   return layers;
 }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "builder/bake/tile_tree.h"
 #include "builder/heights/height_plan.h"
@@ -21,6 +23,9 @@ struct BakePlan {
   /// The area of all sources.
   GeoBounds bounds() const;
 };
+
+/// Every file that a bake reads: DEMs, images, the geoid.
+std::vector<std::filesystem::path> files_of(const BuildOptions& options);
 
 /// Asks every source what it is, and lays out the trees of tiles.
 Result<BakePlan> plan_bake(const BuildOptions& options, int threads);

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "builder/bake/fingerprint.h"
 #include "builder/heights/rqt_layer.h"
 #include "builder/imagery/texture_tile_encode.h"
+#include "builder/options_json.h"
 
 namespace cairn {
 namespace {
@@ -85,52 +85,21 @@ Json imagery_levels_of(const std::vector<IndexEntry>& entries) {
   return json;
 }
 
-const char* name_of(TextureFormat format) {
-  return format == TextureFormat::bc1 ? "bc1" : format == TextureFormat::bc3 ? "bc3" : "bc7";
-}
-
-const char* name_of(TextureQuality quality) {
-  return quality == TextureQuality::fast ? "fast" : quality == TextureQuality::normal ? "normal" : "best";
-}
-
-Json imagery_of(const BakePlan& layers, const ImageryOptions& options,
-                const std::vector<std::uint64_t>& hashes, const std::vector<IndexEntry>& entries) {
+// `options` are the imagery's of to_json().
+Json imagery_of(const BakePlan& layers, const Json& options, const std::vector<std::uint64_t>& hashes,
+                const std::vector<IndexEntry>& entries) {
   const std::size_t first = layers.heights ? layers.heights->pool().size() : 0;
   const RasterPool& pool = layers.imagery->pool();
   Json sources = Json::array();
   for (std::size_t s = 0; s < pool.size(); ++s) sources.push_back(source_of(pool.info(s), hashes[first + s]));
-  return {{"format", name_of(options.format)},        {"quality", name_of(options.quality)},
-          {"feather_pixels", options.feather_pixels}, {"top", layers.imagery_tree->top()},
-          {"finest", layers.imagery->finest_level()}, {"bounds", json_of(layers.imagery->bounds())},
-          {"levels", imagery_levels_of(entries)},     {"sources", sources}};
-}
-
-const char* name_of(ResampleMethod method) {
-  switch (method) {
-    case ResampleMethod::nearest:
-      return "nearest";
-    case ResampleMethod::bilinear:
-      return "bilinear";
-    case ResampleMethod::cubic:
-      return "cubic";
-    case ResampleMethod::exact:
-      return "exact";
-  }
-  return "";
-}
-
-Json options_of(const BuildOptions& o) {
-  Json options{{"tile_size", o.tile_size},
-               {"resampling", name_of(o.resampling)},
-               {"void", o.voids == VoidMode::fill ? "fill" : "keep"},
-               {"datum", to_string(o.datum)}};
-  if (o.level) options["level"] = *o.level;
-  if (o.top) options["top"] = *o.top;
-  if (o.region) options["region"] = json_of(*o.region);
-  if (o.max_error_m) options["max_error"] = *o.max_error_m;
-  if (o.quantum_m) options["quantum"] = *o.quantum_m;
-  if (o.rqt_tolerance_m) options["rqt"] = *o.rqt_tolerance_m;
-  return options;
+  return {{"format", options["format"]},
+          {"quality", options["quality"]},
+          {"feather_pixels", options["feather_pixels"]},
+          {"top", layers.imagery_tree->top()},
+          {"finest", layers.imagery->finest_level()},
+          {"bounds", json_of(layers.imagery->bounds())},
+          {"levels", imagery_levels_of(entries)},
+          {"sources", sources}};
 }
 
 }  // namespace
@@ -138,15 +107,16 @@ Json options_of(const BuildOptions& o) {
 std::string describe_pack(const BakePlan& layers, const BuildOptions& options, const HeightSummary& heights,
                           const std::vector<std::uint64_t>& input_hashes,
                           const std::vector<IndexEntry>& entries) {
+  const Json stated = to_json(options);
   Json meta;
   meta["cairn"] = CAIRN_VERSION;
-  meta["grid"] = {{"tile_size", options.tile_size}};
+  meta["grid"] = {{"tile_size", options.grid.tile_size}};
   if (layers.plan) {
     meta["grid"]["quantum_m"] = layers.plan->quantum_m();
     meta["grid"]["top"] = layers.plan->top();
     meta["grid"]["finest"] = layers.plan->finest();
   }
-  meta["vertical_datum"] = to_string(options.geoid ? VerticalDatum::ellipsoid : options.datum);
+  meta["vertical_datum"] = to_string(options.mosaic.geoid ? VerticalDatum::ellipsoid : options.mosaic.datum);
   meta["bounds"] = json_of(layers.bounds());
   if (layers.plan) {
     meta["error_bound_m"] = layers.plan->error_bound_m();
@@ -154,10 +124,10 @@ std::string describe_pack(const BakePlan& layers, const BuildOptions& options, c
   }
   meta["levels"] = levels_of(entries);
   meta["sources"] = layers.heights ? sources_of(*layers.heights, heights, input_hashes) : Json::array();
-  if (layers.imagery) meta["imagery"] = imagery_of(layers, options.imagery, input_hashes, entries);
-  if (layers.plan && options.rqt_tolerance_m)
-    meta["rqt"] = {{"tolerance_m", *options.rqt_tolerance_m}, {"triangulations", kRqtSteps}};
-  meta["options"] = options_of(options);
+  if (layers.imagery) meta["imagery"] = imagery_of(layers, stated["imagery"], input_hashes, entries);
+  if (layers.plan && options.heights.rqt_tolerance_m)
+    meta["rqt"] = {{"tolerance_m", *options.heights.rqt_tolerance_m}, {"triangulations", kRqtSteps}};
+  meta["options"] = stated;
   // A file's name need not be UTF-8, JSON must.
   return meta.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -203,6 +203,16 @@ const std::vector<IndexEntry>& PackWriter::entries() const {
   return state_->entries;
 }
 
+Result<std::vector<std::byte>> PackWriter::read_block(const IndexEntry& entry) const {
+  std::vector<std::byte> block(entry.bytes);
+  if (const Status status = state_->file.read(entry.offset, block); !status) return status.error();
+  if (checksum(block) != entry.checksum) {
+    return bad_data(part_of(state_->target).string() + ": " + to_string(entry.layer) + " " +
+                    to_string(entry.id) + ": expected the block as it was written, found another");
+  }
+  return block;
+}
+
 Status PackWriter::flush() {
   return state_->flush();
 }

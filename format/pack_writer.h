@@ -41,6 +41,10 @@ class PackWriter {
   /// All entries so far, in the order of add().
   const std::vector<IndexEntry>& entries() const;
 
+  /// The block of an entry that add() returned, checked by its checksum. REQUIRES: flush() since then. Any
+  /// thread, while another one adds.
+  Result<std::vector<std::byte>> read_block(const IndexEntry& entry) const;
+
   /// Hands all blocks so far to the file: they outlive a killed process (but not a power cut).
   Status flush();
 

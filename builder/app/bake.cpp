@@ -10,11 +10,11 @@
 #include "builder/app/bake_report.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
-#include "builder/bake/journal.h"
 #include "builder/bake/memory_budget.h"
 #include "builder/bake/output_check.h"
 #include "builder/raster/expand_inputs.h"
 #include "builder/raster/raster_source.h"
+#include "cairn/bake_estimate.h"
 #include "cairn/build.h"
 
 namespace cairn {
@@ -53,16 +53,16 @@ Status use_level(const std::string& text, BuildOptions& options) {
   if (error != std::errc() || end != text.data() + text.size() || level < kMinLevel || level > kMaxLevel) {
     return usage_error(fmt::format("--level: expected auto or {}…{}, found {}", kMinLevel, kMaxLevel, text));
   }
-  options.level = level;
+  options.mosaic.level = level;
   return {};
 }
 
 Status use_memory(std::size_t mebibytes, BuildOptions& options) {
-  const int threads =
-      options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+  const int threads = options.session.threads > 0 ? options.session.threads
+                                                  : static_cast<int>(std::thread::hardware_concurrency());
   const std::size_t least =
-      (least_memory(threads, options.tile_size, !options.imagery.inputs.empty()) >> 20) + 1;
-  options.memory_bytes = mebibytes << 20;
+      (least_memory(threads, options.grid.tile_size, !options.imagery.inputs.empty()) >> 20) + 1;
+  options.session.memory_bytes = mebibytes << 20;
   if (mebibytes >= least) return {};
   return usage_error(
       fmt::format("--memory: expected {} MiB or more for {} threads, found {}", least, threads, mebibytes));
@@ -70,16 +70,17 @@ Status use_memory(std::size_t mebibytes, BuildOptions& options) {
 
 Result<BuildOptions> options_from(const BakeArguments& arguments) {
   BuildOptions options = arguments.options;
-  if (auto status = use_bounds("--region", arguments.region, options.region); !status) return status.error();
+  if (auto status = use_bounds("--region", arguments.region, options.grid.region); !status)
+    return status.error();
   if (auto status = use_bounds("--bounds", arguments.image_bounds, options.imagery.bounds); !status)
     return status.error();
   if (auto status = use_level(arguments.level, options); !status) return status.error();
-  if (!arguments.geoid.empty()) options.geoid = arguments.geoid;
+  if (!arguments.geoid.empty()) options.mosaic.geoid = arguments.geoid;
   if (arguments.inputs.empty() && arguments.images.empty())
     return usage_error("bake: expected DEMs, or images after --imagery, found neither");
   auto inputs = expand_inputs(arguments.inputs);
   if (!inputs) return inputs.error();
-  options.inputs = std::move(*inputs);
+  options.mosaic.inputs = std::move(*inputs);
   auto images = expand_inputs(arguments.images);
   if (!images) return images.error();
   options.imagery.inputs = std::move(*images);
@@ -90,11 +91,11 @@ Result<BuildOptions> options_from(const BakeArguments& arguments) {
 /// The report is written last, and must then neither be refused nor take the place of something else.
 Status check_report(const std::string& report, const BuildOptions& options) {
   if (report.empty()) return {};
-  std::vector<std::filesystem::path> others = options.inputs;
+  std::vector<std::filesystem::path> others = options.mosaic.inputs;
   others.insert(others.end(), options.imagery.inputs.begin(), options.imagery.inputs.end());
-  if (options.geoid) others.push_back(*options.geoid);
+  if (options.mosaic.geoid) others.push_back(*options.mosaic.geoid);
   for (const char* suffix : {"", ".part", ".journal"}) {
-    others.push_back(std::filesystem::path(options.target).concat(suffix));
+    others.push_back(std::filesystem::path(options.session.target).concat(suffix));
     if (std::filesystem::path(report).lexically_normal() == others.back().lexically_normal())
       return usage_error(report + ": report: expected a name of its own, found the target's");
   }
@@ -108,13 +109,24 @@ Status check_report(const std::string& report, const BuildOptions& options) {
   return usage_error(report + ": report: expected no such file or a report to replace, found another file");
 }
 
-/// Says so where a bake that failed leaves work to go on from.
-Error with_what_is_kept(Error error, const BuildOptions& options) {
-  const bool work_failed =
-      error.code == ErrorCode::failed || (options.resume && error.code != ErrorCode::usage);
-  if (work_failed && Journal::fingerprint_of(options.target))
-    error.message += fmt::format("; what is baked stays in {}.part, and --resume goes on from there",
-                                 options.target.string());
+std::string words_for(Remedy remedy, const BuildOptions& options) {
+  switch (remedy) {
+    case Remedy::replace_target:
+      return "--force replaces it";
+    case Remedy::accept_error:
+      return "--allow-error bakes all the same";
+    case Remedy::resume:
+      return fmt::format("what is baked stays in {}.part, and --resume goes on from there",
+                         options.session.target.string());
+    case Remedy::discard_work:
+      return "--force discards it";
+  }
+  return "";
+}
+
+/// Adds what can be done about an error in the words of the command line.
+Error with_remedies(Error error, const BuildOptions& options) {
+  for (const Remedy remedy : remedies_for(error, options)) error.message += "; " + words_for(remedy, options);
   return error;
 }
 
@@ -129,8 +141,11 @@ Status bake(const BakeArguments& arguments) {
     return {};
   }
   BakeProgress progress;
-  const auto report = build(*options, [&](const Progress& p) { progress.show(p); });
-  if (!report) return with_what_is_kept(report.error(), *options);
+  const auto report = build(*options, [&](const Progress& p) {
+    progress.show(p);
+    return true;
+  });
+  if (!report) return with_remedies(report.error(), *options);
   if (!report->warning.empty()) fmt::print(stderr, "cairn: warning: {}\n", report->warning);
   return print_bake_report(*report, *options, arguments.report, arguments.json);
 }
@@ -150,13 +165,13 @@ void add_accuracy_options(CLI::App& verb, BakeArguments& arguments) {
                                                       {"bilinear", ResampleMethod::bilinear},
                                                       {"cubic", ResampleMethod::cubic},
                                                       {"exact", ResampleMethod::exact}};
-  verb.add_option("--max-error", o.max_error_m,
+  verb.add_option("--max-error", o.mosaic.max_error_m,
                   "error bound: metres that no post is off by (0.5 for whole metres, else 0.05)")
       ->check(CLI::Range(1e-4, 1e4));
-  verb.add_option("--quantum", o.quantum_m, "step in which heights are stored, metres")
+  verb.add_option("--quantum", o.heights.quantum_m, "step in which heights are stored, metres")
       ->check(CLI::Range(1e-5, 1e3));
-  verb.add_flag("--allow-error", o.allow_error, "an exceeded error bound is a warning");
-  verb.add_option("--resampling", o.resampling, "nearest, bilinear, cubic or exact")
+  verb.add_flag("--allow-error", o.heights.allow_error, "an exceeded error bound is a warning");
+  verb.add_option("--resampling", o.mosaic.resampling, "nearest, bilinear, cubic or exact")
       ->transform(one_of(methods))
       ->default_str("exact");
 }
@@ -167,10 +182,10 @@ void add_datum_options(CLI::App& verb, BakeArguments& arguments) {
   const std::map<std::string, VerticalDatum> datums{{"unknown", VerticalDatum::unknown},
                                                     {"egm96", VerticalDatum::egm96},
                                                     {"ellipsoid", VerticalDatum::ellipsoid}};
-  verb.add_option("--void", o.voids, "fill voids smoothly, or keep them as holes")
+  verb.add_option("--void", o.heights.voids, "fill voids smoothly, or keep them as holes")
       ->transform(one_of(voids))
       ->default_str("fill");
-  verb.add_option("--datum", o.datum,
+  verb.add_option("--datum", o.mosaic.datum,
                   "what the sources' heights are measured from: egm96, ellipsoid or unknown")
       ->transform(one_of(datums))
       ->default_str("unknown");
@@ -206,9 +221,11 @@ void add_work_options(CLI::App& verb, BakeArguments& arguments) {
   BuildOptions& o = arguments.options;
   verb.add_option("--memory", arguments.memory_mib, "MiB that the program stays under")
       ->capture_default_str();
-  verb.add_option("--threads", o.threads, "0 for all")->check(CLI::Range(0, 1024))->capture_default_str();
-  verb.add_flag("--resume", o.resume, "go on with an interrupted bake to the same target");
-  verb.add_flag("--force", o.force, "replace the target");
+  verb.add_option("--threads", o.session.threads, "0 for all")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  verb.add_flag("--resume", o.session.resume, "go on with an interrupted bake to the same target");
+  verb.add_flag("--force", o.session.force, "replace the target");
   verb.add_flag("--dry-run", arguments.dry_run, "say what would be done");
   verb.add_option("--report", arguments.report, "write the report as JSON to this file");
   verb.add_flag("--json", arguments.json, "print the report as JSON");
@@ -222,18 +239,18 @@ void add_bake(CLI::App& app, int& exit_code) {
   CLI::App* verb = app.add_subcommand("bake", "Make a pack from DEMs and images");
   verb->add_option("dem", arguments->inputs,
                    "DEM files, folders or glob patterns; finer ones win, then earlier ones");
-  verb->add_option("-o,--output", o.target, "the pack to make")->required();
-  verb->add_option("--tile-size", o.tile_size, "samples along a tile's side")
+  verb->add_option("-o,--output", o.session.target, "the pack to make")->required();
+  verb->add_option("--tile-size", o.grid.tile_size, "samples along a tile's side")
       ->check(CLI::IsMember({257, 513}))
       ->capture_default_str();
   verb->add_option("--level", arguments->level, "finest level, or auto")->capture_default_str();
-  verb->add_option("--top", o.top, "coarsest level (0, or -9 for a global input)")
+  verb->add_option("--top", o.grid.top, "coarsest level (0, or -9 for a global input)")
       ->check(CLI::Range(kMinLevel, kMaxLevel));
   verb->add_option("--region", arguments->region, "W,S,E,N in degrees: only tiles that touch it")
       ->delimiter(',')
       ->expected(4);
   add_accuracy_options(*verb, *arguments);
-  verb->add_option("--rqt", o.rqt_tolerance_m,
+  verb->add_option("--rqt", o.heights.rqt_tolerance_m,
                    "also store triangulations off by less than so many metres at the finest level")
       ->check(CLI::Range(1e-4, 1e4));
   add_datum_options(*verb, *arguments);

@@ -6,7 +6,6 @@
 
 #include "builder/app/pack_description.h"
 #include "builder/app/pack_metadata.h"
-#include "builder/bake/fingerprint.h"
 #include "builder/bake/memory_budget.h"
 
 namespace cairn {
@@ -17,7 +16,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kMiB = 1048576.0;
 
 Result<Json> report_json(const BuildReport& report, const BuildOptions& options) {
-  const auto pack = PackReader::open(options.target);
+  const auto pack = PackReader::open(options.session.target);
   if (!pack) return pack.error();
   const auto metadata = parse_metadata(*pack);
   if (!metadata) return metadata.error();
@@ -30,7 +29,7 @@ Result<Json> report_json(const BuildReport& report, const BuildOptions& options)
   json["threads"] = report.threads;
   json["resumed"] = report.resumed;
   json["within_error_bound"] = report.within_error_bound;
-  json["options"] = describe_options(options);
+  json["options"] = metadata->at("options");
   return json;
 }
 
@@ -46,8 +45,8 @@ void print_imagery(const Json& imagery) {
 void print_table(const Json& r, const BuildOptions& options) {
   const Json& a = r["accuracy"];
   fmt::print("{}: {:.2f} MiB, {} samples, {} texels in {:.2f} s ({:.1f} M/s, {} threads, peak {:.0f} MiB)\n",
-             options.target.string(), r["file_bytes"].get<double>() / kMiB, r["samples"].get<std::uint64_t>(),
-             r["texels"].get<std::uint64_t>(), r["seconds"].get<double>(),
+             options.session.target.string(), r["file_bytes"].get<double>() / kMiB,
+             r["samples"].get<std::uint64_t>(), r["texels"].get<std::uint64_t>(), r["seconds"].get<double>(),
              r["samples_per_second"].get<double>() / 1e6, r["threads"].get<int>(),
              r["peak_rss_mib"].get<double>());
   if (a.is_object()) {

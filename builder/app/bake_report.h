@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "cairn/bake_estimate.h"
 #include "cairn/build.h"
 
 namespace cairn {

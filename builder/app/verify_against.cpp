@@ -8,6 +8,7 @@
 
 #include "builder/app/pack_metadata.h"
 #include "builder/heights/measure_pack.h"
+#include "builder/options_json.h"
 #include "builder/raster/expand_inputs.h"
 #include "builder/raster/raster_source.h"
 
@@ -15,30 +16,6 @@ namespace cairn {
 namespace {
 
 using Json = nlohmann::json;
-
-template <class T>
-std::optional<T> optional_at(const Json& object, const char* key) {
-  if (!object.contains(key) || !object.at(key).is_number()) return std::nullopt;
-  return object.at(key).get<T>();
-}
-
-// The options that the bake had, from the metadata; check_metadata_json() has looked at the types.
-BuildOptions options_of(const PackReader& pack, const Json& metadata) {
-  BuildOptions options;
-  const Json& baked = metadata.at("options");
-  options.tile_size = pack.header().tile_size;
-  options.level = optional_at<int>(baked, "level");
-  options.top = optional_at<int>(baked, "top");
-  options.max_error_m = optional_at<double>(baked, "max_error");
-  options.quantum_m = optional_at<double>(baked, "quantum");
-  if (baked.value("void", "fill") == "keep") options.voids = VoidMode::keep;
-  if (baked.contains("region")) {
-    const Json& r = baked.at("region");
-    options.region = GeoBounds{r.value("west", -180.0), r.value("south", -90.0), r.value("east", 180.0),
-                               r.value("north", 90.0)};
-  }
-  return options;
-}
 
 bool differ(double measured, double stated) {
   return std::abs(measured - stated) > 1e-9 * (1 + std::abs(stated));
@@ -50,15 +27,22 @@ Result<std::vector<Finding>> verify_against(const PackReader& pack, const std::v
                                             const std::string& geoid, int threads) {
   const auto metadata = parse_metadata(pack);
   if (!metadata) return metadata.error();
-  BuildOptions options = options_of(pack, *metadata);
-  options.threads = threads;
-  if (!geoid.empty()) options.geoid = geoid;
+  const nlohmann::json baked = metadata->value("options", nlohmann::json::object());
+  auto options = from_json(baked);
+  if (!options) return options.error();
+  if (baked.value("geoid", false) != !geoid.empty()) {
+    return usage_error(pack.path().string() + ": expected " + (geoid.empty() ? "the" : "no") +
+                       " geoid, as the pack was baked, found " + (geoid.empty() ? "none" : "one"));
+  }
+  if (!geoid.empty()) options->mosaic.geoid = geoid;
   auto paths = expand_inputs(inputs);
   if (!paths) return paths.error();
-  options.inputs = std::move(*paths);
+  options->mosaic.inputs = std::move(*paths);
+  options->session.threads = threads;
 
   tbb::task_arena arena(threads);
-  const auto measured = arena.execute([&] { return measure_pack(pack, options); });
+  const auto measured = arena.execute(
+      [&] { return measure_pack(pack, options->mosaic, options->heights, options->grid, options->session); });
   if (!measured) return measured.error();
 
   std::vector<Finding> findings;

@@ -31,18 +31,7 @@ std::vector<UnitRecord> whole_units(const std::filesystem::path& part_path, std:
   return records;
 }
 
-Result<std::vector<std::uint64_t>> hash_inputs(const BuildOptions& options) {
-  std::vector<std::filesystem::path> paths = options.inputs;
-  paths.insert(paths.end(), options.imagery.inputs.begin(), options.imagery.inputs.end());
-  if (options.geoid) paths.push_back(*options.geoid);
-  return hash_files(paths);
-}
-
-std::uint64_t print_of(const BuildOptions& options, const std::vector<std::uint64_t>& input_hashes) {
-  return fingerprint(describe_options(options), input_hashes);
-}
-
-Result<BakeSession> begin(const BuildOptions& options, const PackHeader& header) {
+Result<BakeSession> begin(const SessionOptions& options, BakeIdentity&& identity, const PackHeader& header) {
   auto writer = PackWriter::create(options.target, header);
   if (!writer) return writer.error();
   auto journal = Journal::create(options.target);
@@ -50,10 +39,11 @@ Result<BakeSession> begin(const BuildOptions& options, const PackHeader& header)
     writer->abandon();
     return journal.error();
   }
-  return BakeSession{std::move(*writer), std::move(*journal), {}, std::nullopt, false};
+  return BakeSession{options, std::move(identity), std::move(*writer), std::move(*journal), {}, std::nullopt,
+                     false};
 }
 
-Result<BakeSession> resume(const BuildOptions& options, const PackHeader& header,
+Result<BakeSession> resume(const SessionOptions& options, BakeIdentity&& identity, const PackHeader& header,
                            std::vector<UnitRecord> done) {
   std::vector<IndexEntry> entries;
   for (const UnitRecord& record : done)
@@ -62,30 +52,33 @@ Result<BakeSession> resume(const BuildOptions& options, const PackHeader& header
   if (!writer) return writer.error();
   auto journal = Journal::reopen(options.target, done);
   if (!journal) return journal.error();
-  return BakeSession{std::move(*writer), std::move(*journal), std::move(done), std::nullopt, true};
+  return BakeSession{
+      options, std::move(identity), std::move(*writer), std::move(*journal), std::move(done), std::nullopt,
+      true};
 }
 
 }  // namespace
 
-Result<BakeSession> begin_session(const BuildOptions& options, const PackHeader& header) {
+Result<BakeSession> begin_session(const SessionOptions& options, BakeIdentity identity,
+                                  const PackHeader& header) {
   std::error_code ignored;
   if (!options.resume || !std::filesystem::exists(Journal::path_for(options.target), ignored))
-    return begin(options, header);
-  const auto hashes = hash_inputs(options);
+    return begin(options, std::move(identity), header);
+  const auto hashes = hash_files(identity.inputs);
   if (!hashes) return hashes.error();
-  const auto theirs = Journal::fingerprint_of(options.target);
-  if (theirs && *theirs != print_of(options, *hashes) && !options.force)
-    return usage_error(Journal::path_for(options.target).string() +
-                       ": expected a bake of these inputs and options, found another's; --force discards it");
-  std::vector<UnitRecord> done = whole_units(std::filesystem::path(options.target).concat(".part"),
-                                             Journal::read(options.target, print_of(options, *hashes)));
-  auto session = done.empty() ? begin(options, header) : resume(options, header, std::move(done));
+  const std::uint64_t own = fingerprint(identity.options, *hashes);
+  const auto found = Journal::fingerprint_of(options.target);
+  if (found && *found != own && !options.force)
+    return usage_error(Journal::path_for(options.target).string() + std::string(kOtherWork));
+  std::vector<UnitRecord> done =
+      whole_units(std::filesystem::path(options.target).concat(".part"), Journal::read(options.target, own));
+  auto session = done.empty() ? begin(options, std::move(identity), header)
+                              : resume(options, std::move(identity), header, std::move(done));
   if (session) session->input_hashes = *hashes;
   return session;
 }
 
-InputHashing::InputHashing(const BuildOptions& options, BakeSession& session)
-    : options_(options), session_(session) {
+InputHashing::InputHashing(BakeSession& session) : session_(session) {
   const OrderedTurn turn(order_);
   tasks_.run([this] {
     const OrderedTurn taken(order_);
@@ -94,16 +87,16 @@ InputHashing::InputHashing(const BuildOptions& options, BakeSession& session)
 }
 
 InputHashing::~InputHashing() {
-  if (!session_.kept && !options_.resume) tasks_.cancel();
+  tasks_.cancel();
   tasks_.wait();
   const OrderedTurn turn(order_);
 }
 
 void InputHashing::hash() {
-  hashes_ = session_.input_hashes ? *session_.input_hashes : hash_inputs(options_);
+  hashes_ = session_.input_hashes ? *session_.input_hashes : hash_files(session_.identity.inputs);
   if (!*hashes_) return;
-  if (auto status = session_.journal.identify(print_of(options_, **hashes_)); !status)
-    hashes_ = status.error();
+  const std::uint64_t print = fingerprint(session_.identity.options, **hashes_);
+  if (auto status = session_.journal.identify(print); !status) hashes_ = status.error();
 }
 
 Result<std::vector<std::uint64_t>> InputHashing::hashes() {
@@ -112,11 +105,12 @@ Result<std::vector<std::uint64_t>> InputHashing::hashes() {
   return *hashes_;
 }
 
-Error discard(const BuildOptions& options, BakeSession& session, Error error) {
-  session.kept = options.resume || (error.code == ErrorCode::failed && !session.journal.is_empty());
-  if (session.kept) return error;
+// A damaged input would end another try at the same place, and a mended one is another input.
+Error end_failed_bake(BakeSession& session, InputHashing& hashing, Error error) {
+  const bool may_succeed = session.options.resume || error.code == ErrorCode::failed;
+  if (may_succeed && !session.journal.is_empty() && hashing.hashes().ok()) return error;
   session.writer.abandon();
-  remove_journal(options.target);
+  remove_journal(session.options.target);
   return error;
 }
 

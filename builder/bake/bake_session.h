@@ -2,7 +2,10 @@
 
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <tbb/task_group.h>
@@ -10,55 +13,67 @@
 #include "builder/bake/fingerprint.h"
 #include "builder/bake/journal.h"
 #include "builder/bake/pipeline.h"
-#include "cairn/build_options.h"
-#include "format/pack_writer.h"
+#include "cairn/session_options.h"
 #include "cairn/status.h"
+#include "format/pack_writer.h"
 
 namespace cairn {
 
+/// What tells one bake's journal from another's.
+struct BakeIdentity {
+  std::vector<std::filesystem::path> inputs;  ///< every file whose bytes decide the pack's
+  std::string options;                        ///< all else that decides them, as text
+};
+
 /// A bake under way: what it writes to, and what an interrupted one has already done.
 struct BakeSession {
+  SessionOptions options;
+  BakeIdentity identity;
   PackWriter writer;
   Journal journal;
   std::vector<UnitRecord> done;
   std::optional<std::vector<std::uint64_t>> input_hashes;  ///< where the journal of another try needed them
   bool resumed = false;
-  bool kept = false;  ///< the work stays although the bake failed
 };
+
+/// How the error ends where the work beside the target is of other inputs or options.
+inline constexpr std::string_view kOtherWork =
+    ": expected a bake of these inputs and options, found another's";
 
 /// With `options.resume`, and a journal of the same inputs and options beside the target: goes on after the
 /// last unit whose blocks are whole, each checked by its checksum. Else starts anew. Work of other inputs or
-/// options is wrong usage, unless `options.force` is set.
-Result<BakeSession> begin_session(const BuildOptions& options, const PackHeader& header);
+/// options is wrong usage (kOtherWork), unless `options.force` is set.
+Result<BakeSession> begin_session(const SessionOptions& options, BakeIdentity identity,
+                                  const PackHeader& header);
 
-/// Hashes the inputs (DEMs, images, the geoid) on the caller's arena while the bake goes on, and lets the
+/// Hashes the inputs on the caller's arena while the bake goes on, and lets the
 /// journal know: a file is hashed by one thread, and the others would wait.
 class InputHashing {
  public:
-  /// Starts. REQUIRES: options and session outlive it and stay where they are.
-  InputHashing(const BuildOptions& options, BakeSession& session);
-  /// Waits where the work is kept: without the hashes nothing could go on from it.
+  /// Starts. REQUIRES: the session outlives it and stays where it is.
+  explicit InputHashing(BakeSession& session);
+  /// Cancels what is not hashed yet.
   ~InputHashing();
   InputHashing(const InputHashing&) = delete;
   InputHashing& operator=(const InputHashing&) = delete;
 
-  /// In the order: DEMs, images, the geoid. Waits for them.
+  /// In the order of the inputs. Waits for them.
   Result<std::vector<std::uint64_t>> hashes();
 
  private:
   void hash();
 
-  const BuildOptions& options_;
   BakeSession& session_;
   std::optional<Result<std::vector<std::uint64_t>>> hashes_;
   std::atomic<std::size_t> order_ = 0;  // see OrderedTurn
   tbb::task_group tasks_;
 };
 
-/// Ends a session that failed, and returns the error. What is baked stays for another try where it can serve
-/// one: with `options.resume`, or where units are done and the inputs were not at fault (a full disk, an
-/// error bound that was not kept). Else the bake's own files are removed.
-Error discard(const BuildOptions& options, BakeSession& session, Error error);
+/// Ends a bake after an error. Returns the error. `TARGET.part` and `TARGET.journal` are kept where another
+/// bake with `options.resume` can go on from them; for that it waits for the hashes, without which the
+/// journal could not be told from another bake's. Otherwise both are removed: no unit is done yet, or the
+/// inputs are bad.
+Error end_failed_bake(BakeSession& session, InputHashing& hashing, Error error);
 
 void remove_journal(const std::filesystem::path& target);
 

@@ -8,8 +8,8 @@
 
 #include "builder/bake/journal.h"
 #include "builder/bake/output_check.h"
-#include "format/file.h"
 #include "cairn/pack_layout.h"
+#include "format/file.h"
 
 namespace cairn {
 namespace {
@@ -18,13 +18,6 @@ namespace fs = std::filesystem;
 
 fs::path part_of(const fs::path& target) {
   return fs::path(target).concat(".part");
-}
-
-std::vector<fs::path> files_read(const BuildOptions& options) {
-  std::vector<fs::path> files = options.inputs;
-  files.insert(files.end(), options.imagery.inputs.begin(), options.imagery.inputs.end());
-  if (options.geoid) files.push_back(*options.geoid);
-  return files;
 }
 
 /// The first bytes of a file, fewer where it is shorter; nothing where it cannot be read.
@@ -69,31 +62,26 @@ Status check_unfinished(const fs::path& path, std::span<const char> magic) {
 
 }  // namespace
 
-Status check_target_is_no_input(const BuildOptions& options) {
-  const std::vector<fs::path> inputs = files_read(options);
-  for (const fs::path& output :
-       {options.target, part_of(options.target), Journal::path_for(options.target)}) {
+Status check_target_is_no_input(const fs::path& target, std::span<const fs::path> inputs) {
+  for (const fs::path& output : {target, part_of(target), Journal::path_for(target)}) {
     if (auto status = check_is_no_input(output, inputs); !status) return status;
   }
   return {};
 }
 
-Status check_target(const BuildOptions& options) {
+Status check_target(const SessionOptions& options, std::span<const fs::path> inputs) {
   const fs::path& target = options.target;
-  if (auto status = check_target_is_no_input(options); !status) return status;
+  if (auto status = check_target_is_no_input(target, inputs); !status) return status;
   if (auto status = check_can_be_file(target); !status) return status;
   std::error_code ignored;
   const bool exists = fs::exists(target, ignored);
-  if (exists && !options.force)
-    return usage_error(target.string() + ": expected no such file, found one; --force replaces it");
+  if (exists && !options.force) return usage_error(target.string() + std::string(kTargetExists));
   if (exists && !may_be_replaced(target))
     return usage_error(target.string() + ": expected a pack to replace, found a file that is none");
   if (auto status = check_unfinished(part_of(target), kPackMagic); !status) return status;
   if (auto status = check_unfinished(Journal::path_for(target), Journal::kMagic); !status) return status;
   if (options.resume || options.force || !Journal::fingerprint_of(target)) return {};
-  return usage_error(part_of(target).string() +
-                     ": expected no such file, found the work of an interrupted bake; --resume goes on with "
-                     "it, --force discards it");
+  return usage_error(part_of(target).string() + std::string(kWorkExists));
 }
 
 }  // namespace cairn

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "format/file.h"
 #include "cairn/pack_layout.h"
 #include "cairn/status.h"
+#include "format/file.h"
 
 namespace cairn {
 

@@ -2,134 +2,146 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "builder/bake/bake_session.h"
 #include "builder/bake/pipeline.h"
-#include "cairn/progress.h"
 #include "builder/bake/pyramid.h"
+#include "builder/bake/tile_layer.h"
 #include "builder/bake/tile_tree.h"
+#include "cairn/progress.h"
 #include "format/bytes.h"
 
 namespace cairn {
 
-/// A unit's subtree: its tiles, and the root on its way up.
-template <class TileLayer>
+/// A unit's subtree: its stored tiles in the order of the walk, and its root on the way up.
+template <TileLayer L>
 struct UnitResult {
   std::vector<TileBlock> blocks;
-  typename TileLayer::Tile root;
+  std::optional<typename L::Node> root;
   std::uint64_t leaves = 0;
 };
 
-template <class TileLayer>
-Result<UnitResult<TileLayer>> bake_unit(const TileLayer& layer, const TileTree& tree, const TileId& unit) {
-  UnitResult<TileLayer> result;
-  Pyramid<TileLayer> pyramid(layer, tree, unit.level, [&](TileBlock&& block) -> Status {
-    result.blocks.push_back(std::move(block));
-    return {};
-  });
-  for (const TileId& leaf : tree.leaves(unit)) {
-    auto baked = layer.bake_leaf(leaf);
-    if (!baked) return baked.error();
+/// What is stored of a finished tile: nothing where it can be pruned.
+template <TileLayer L>
+std::optional<TileBlock> prune_or_encode(const L& layer, typename L::Node& node) {
+  if (layer.can_prune(node)) {
+    layer.prune(node);
+    return std::nullopt;
+  }
+  layer.keep(node);
+  return layer.encode(node);
+}
+
+/// One task of a bake: samples and measures the leaves of a unit, reduces them to their parents, and encodes
+/// every tile that is not pruned.
+template <TileLayer L>
+Result<UnitResult<L>> bake_unit(const L& layer, const TileTree& tree, const TileId& unit) {
+  UnitResult<L> result;
+  Pyramid<L> pyramid(layer, tree);
+  for (const TileId& id : tree.leaves(unit)) {
+    auto sampled = layer.sample_leaf(id);
+    if (!sampled) return sampled.error();
     ++result.leaves;
-    if (auto status = pyramid.settle(*baked); !status) return status.error();
-    auto root = pyramid.add(std::move(*baked));
-    if (!root) return root.error();
-    if (*root) result.root = std::move(**root);
+    std::optional<typename L::Node> node = layer.measure_leaf(std::move(*sampled));
+    while (node) {
+      if (auto block = prune_or_encode(layer, *node)) result.blocks.push_back(std::move(*block));
+      if (node->id == unit) {
+        result.root = std::move(node);
+        break;
+      }
+      node = pyramid.merge(*node);
+    }
   }
   return result;
 }
 
 /// The serial end of the pipeline: writes the units' tiles, puts the tiles above them together, keeps the
 /// journal.
-template <class TileLayer>
+template <TileLayer L>
 class LayerSink {
  public:
-  LayerSink(TileLayer& layer, const TileTree& tree, BakeSession& session)
-      : layer_(layer),
-        session_(session),
-        above_(layer, tree, tree.top(), [this](TileBlock&& block) { return emit(block); }) {}
+  LayerSink(L& layer, const TileTree& tree, BakeSession& session)
+      : layer_(layer), top_(tree.top()), session_(session), above_(layer, tree) {}
 
-  Status take(UnitResult<TileLayer>&& unit) {
-    record_ = {};
+  Status take(UnitResult<L>&& unit) {
+    UnitRecord record;
     for (const TileBlock& block : unit.blocks) {
-      if (auto status = emit(block); !status) return status;
+      if (auto status = write(block, record); !status) return status;
     }
-    layer_.append(unit.root, record_.root);
-    if (auto status = go_up(std::move(unit.root)); !status) return status;
-    // The journal must not speak of blocks that a killed process would still hold.
+    layer_.save_state(*unit.root, record.root);
+    if (auto status = merge_upwards(std::move(*unit.root), &record); !status) return status;
+    // Blocks are flushed before they are journalled, or a kill leaves records of bytes that were never
+    // written.
     if (auto status = session_.writer.flush(); !status) return status;
-    return session_.journal.append(record_);
+    return session_.journal.append(record);
   }
 
-  /// Runs a journalled unit again without writing what the pack has.
+  /// Merges a journalled unit again. The pack has its tiles already.
   Status replay(const UnitRecord& done) {
     const auto bytes = session_.journal.read_root(done);
     if (!bytes) return bytes.error();
     ByteReader reader(*bytes);
-    auto root = layer_.read(reader);
+    auto root = layer_.load_state(reader);
     if (!root) return root.error();
-    replaying_ = true;
-    auto status = go_up(std::move(*root));
-    replaying_ = false;
-    return status;
+    return merge_upwards(std::move(*root), nullptr);
   }
 
  private:
-  Status emit(const TileBlock& block) {
-    if (replaying_) return {};
+  Status write(const TileBlock& block, UnitRecord& record) {
     auto entry = session_.writer.add(block.entry, block.block);
     if (!entry) return entry.error();
-    record_.entries.push_back(*entry);
+    record.entries.push_back(*entry);
     return {};
   }
 
-  Status go_up(typename TileLayer::Tile&& unit_root) {
-    auto root = above_.add(std::move(unit_root));
-    if (!root) return root.error();
-    if (*root) layer_.summarise(**root);
+  // Without a record, what is encoded is in the pack already.
+  Status merge_upwards(typename L::Node&& unit_root, UnitRecord* record) {
+    typename L::Node node = std::move(unit_root);
+    while (node.id.level > top_) {
+      auto parent = above_.merge(node);
+      if (!parent) return {};
+      node = std::move(*parent);
+      const auto block = prune_or_encode(layer_, node);
+      if (!block || record == nullptr) continue;
+      if (auto status = write(*block, *record); !status) return status;
+    }
+    layer_.finish_root(node);
     return {};
   }
 
-  TileLayer& layer_;
+  L& layer_;
+  int top_;
   BakeSession& session_;
-  Pyramid<TileLayer> above_;
-  UnitRecord record_;
-  bool replaying_ = false;
+  Pyramid<L> above_;
 };
 
-/// Makes every tile of a layer and adds it to the pack; returns how many samples its leaves have. Units that
-/// were done before an interruption (the first records of session.done, which are used up) are in the pack
-/// already. Uses all threads of the caller's arena. Beyond what Pyramid asks for, the layer has
-///   Result<Tile> bake_leaf(const TileId&) const     safe to call from several threads,
-///   append(), read()                                a settled tile in the journal,
-///   void summarise(const Tile&)                     takes what a settled root of the whole tree knows,
-///   stage(), samples_a_tile()                       for the progress.
-template <class TileLayer>
-Result<std::uint64_t> bake_layer(TileLayer& layer, const TileTree& tree, int threads, BakeSession& session,
-                                 const ProgressCallback& progress) {
+/// Makes every tile of a layer and adds it to the pack. Units that were done before an interruption (the
+/// first records of session.done, which are used up) are in the pack already. Uses all threads of the
+/// caller's arena. `now` is the progress so far, with the total set: a leaf counts for `samples_per_leaf`
+/// samples.
+template <TileLayer L>
+Status bake_layer(L& layer, const TileTree& tree, std::uint64_t samples_per_leaf, int threads,
+                  BakeSession& session, Progress& now, const ProgressCallback& progress) {
   const std::vector<TileId> units = tree.units();
-  Progress now{TileLayer::stage(), 0, tree.leaf_count() * layer.samples_a_tile(), 0};
-  LayerSink<TileLayer> sink(layer, tree, session);
+  LayerSink<L> sink(layer, tree, session);
   const std::size_t done = std::min(units.size(), session.done.size());
   for (std::size_t i = 0; i < done; ++i) {
-    now.done += tree.leaves(units[i]).size() * layer.samples_a_tile();
-    if (auto status = sink.replay(session.done[i]); !status) return status.error();
+    now.done += tree.leaves(units[i]).size() * samples_per_leaf;
+    if (auto status = sink.replay(session.done[i]); !status) return status;
   }
   session.done.erase(session.done.begin(), session.done.begin() + static_cast<std::ptrdiff_t>(done));
-  const auto status = run_in_order<UnitResult<TileLayer>>(
+  return run_in_order<UnitResult<L>>(
       done, units.size(), static_cast<std::size_t>(threads) + 1,
       [&](std::size_t i) { return bake_unit(layer, tree, units[i]); },
-      [&](std::size_t, UnitResult<TileLayer>&& unit) {
-        now.done += unit.leaves * layer.samples_a_tile();
-        auto taken = sink.take(std::move(unit));
+      [&](std::size_t, UnitResult<L>&& unit) -> Status {
+        now.done += unit.leaves * samples_per_leaf;
+        if (auto taken = sink.take(std::move(unit)); !taken) return taken;
         now.bytes_written = session.writer.position();
-        progress(now);
-        return taken;
+        return progress(now) ? Status() : cancelled(now);
       });
-  if (!status) return status.error();
-  return now.done;
 }
 
 }  // namespace cairn

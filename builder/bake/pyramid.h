@@ -1,77 +1,46 @@
 #pragma once
 
-#include <cstddef>
-#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "builder/bake/tile_layer.h"
 #include "builder/bake/tile_tree.h"
-#include "cairn/pack_layout.h"
-#include "cairn/status.h"
 
 namespace cairn {
 
-/// A tile to be stored; no block where it is constant.
-struct TileBlock {
-  IndexEntry entry;
-  std::vector<std::byte> block;
-};
-
-/// Puts a tree of tiles together from its leaves, in the order of the tree's walk, and hands out the tiles to
-/// be stored. Not thread-safe. What tiles are is the layer's: it has
-///   TileLayer::Tile                                            with a member `id`,
-///   Tile open_parent(const TileId&) const                  before its children are in,
-///   void take(const Tile& child, Tile&) const              puts a child into its parent,
-///   void close_parent(Tile&) const                         once all are in,
-///   Result<std::optional<TileBlock>> settle(Tile&) const   what is stored of a tile, if it is; then its
-///                                                          parent takes it.
-template <class TileLayer>
+/// The parents under way: puts a tree of tiles together from its leaves, in the order of the tree's walk. Not
+/// thread-safe.
+template <TileLayer L>
 class Pyramid {
  public:
-  using Tile = typename TileLayer::Tile;
-  using Emit = std::function<Status(TileBlock&&)>;
+  using Node = typename L::Node;
 
-  /// Tiles coarser than `root_level` are left to another pyramid. REQUIRES: layer and tree outlive it.
-  Pyramid(const TileLayer& layer, const TileTree& tree, int root_level, Emit emit)
-      : layer_(layer), tree_(tree), root_level_(root_level), emit_(std::move(emit)) {}
+  /// REQUIRES: layer and tree outlive it.
+  Pyramid(const L& layer, const TileTree& tree) : layer_(layer), tree_(tree) {}
 
-  /// Takes the next leaf or finished subtree. Gives back the root, settled, when this completes it.
-  /// REQUIRES: `child` is settled.
-  Result<std::optional<Tile>> add(Tile child) {
-    while (child.id.level > root_level_) {
-      const TileId parent_id = parent_of(child.id);
-      if (open_.empty() || open_.back().parent.id != parent_id)
-        open_.push_back({layer_.open_parent(parent_id), tree_.children_of(parent_id)});
-      OpenParent& into = open_.back();
-      layer_.take(child, into.parent);
-      if (--into.waiting_for > 0) return std::optional<Tile>{};
-      layer_.close_parent(into.parent);
-      child = std::move(into.parent);
-      open_.pop_back();
-      if (auto status = settle(child); !status) return status.error();
-    }
-    return std::optional<Tile>(std::move(child));
-  }
-
-  /// Emits the tile, unless it is left out. For leaves: add() does it for all others.
-  Status settle(Tile& tile) {
-    auto block = layer_.settle(tile);
-    if (!block) return block.error();
-    return *block ? emit_(std::move(**block)) : Status();
+  /// Merges a tile, pruned or encoded, into its parent. Returns the parent once its last child is merged.
+  std::optional<Node> merge(const Node& child) {
+    const TileId parent_id = parent_of(child.id);
+    if (open_.empty() || open_.back().node.id != parent_id)
+      open_.push_back({layer_.begin_parent(parent_id), tree_.children_of(parent_id)});
+    layer_.merge_child(child, open_.back().node);
+    if (--open_.back().children_left > 0) return std::nullopt;
+    Node parent = std::move(open_.back().node);
+    open_.pop_back();
+    layer_.finish_parent(parent);
+    return parent;
   }
 
  private:
   struct OpenParent {
-    Tile parent;
-    int waiting_for = 0;
+    Node node;
+    int children_left = 0;
   };
 
-  const TileLayer& layer_;
+  const L& layer_;
   const TileTree& tree_;
-  int root_level_;
-  Emit emit_;
-  std::vector<OpenParent> open_;
+  std::vector<OpenParent> open_;  // each an ancestor of the next
 };
 
 }  // namespace cairn

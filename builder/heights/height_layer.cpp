@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "builder/heights/downsample.h"
-#include "builder/heights/height_leaf.h"
 #include "format/height_block.h"
 
 namespace cairn {
@@ -22,19 +21,19 @@ std::vector<double> errors_above(const HeightNode& child, double quantum_m) {
   return {child.errors_m.front() + decimation_error(child.tile) * quantum_m};
 }
 
-TileBlock block_of(const HeightNode& baked) {
-  const HeightTile& tile = baked.tile;
+TileBlock block_of(const HeightNode& node) {
+  const HeightTile& tile = node.tile;
   TileBlock out;
   IndexEntry& entry = out.entry;
   entry.layer = Layer::heights;
-  entry.id = baked.id;
+  entry.id = node.id;
   const HeightRange range = range_of(tile);
   entry.min_quanta = range.lowest;
   entry.max_quanta = range.highest;
   // Rounded up, so that the error bound survives the narrowing.
-  entry.geometric_error_m = std::nextafter(static_cast<float>(baked.errors_m.front()), HUGE_VALF);
-  if (baked.errors_m.front() == 0) entry.geometric_error_m = 0;
-  entry.filled = static_cast<std::uint16_t>(std::lround(baked.filled * 65535));
+  entry.geometric_error_m = std::nextafter(static_cast<float>(node.errors_m.front()), HUGE_VALF);
+  if (node.errors_m.front() == 0) entry.geometric_error_m = 0;
+  entry.filled = static_cast<std::uint16_t>(std::lround(node.filled * 65535));
   const bool constant = tile.voids.empty() && entry.min_quanta == entry.max_quanta;
   if (constant) {
     entry.flags = kConstant;
@@ -47,16 +46,15 @@ TileBlock block_of(const HeightNode& baked) {
 
 }  // namespace
 
-std::uint64_t HeightLayer::samples_a_tile() const {
-  const auto intervals = static_cast<std::uint64_t>(plan_.tile_size() - 1);
-  return intervals * intervals;
+Result<SampledLeaf> HeightLayer::sample_leaf(const TileId& id) const {
+  return cairn::sample_leaf(mosaic_, plan_, id, voids_);
 }
 
-Result<HeightNode> HeightLayer::bake_leaf(const TileId& id) const {
-  return cairn::bake_leaf(mosaic_, plan_, id, voids_);
+HeightNode HeightLayer::measure_leaf(SampledLeaf leaf) const {
+  return cairn::measure_leaf(mosaic_, plan_, std::move(leaf));
 }
 
-HeightNode HeightLayer::open_parent(const TileId& id) const {
+HeightNode HeightLayer::begin_parent(const TileId& id) const {
   HeightNode parent;
   parent.id = id;
   parent.edge_only = plan_.tree().edge_only(id);
@@ -65,25 +63,11 @@ HeightNode HeightLayer::open_parent(const TileId& id) const {
   return parent;
 }
 
-Result<std::optional<TileBlock>> HeightLayer::settle(HeightNode& tile) const {
-  if (tile.edge_only) return std::optional<TileBlock>{};
-  const bool leave_out = !tile.has_stored && tile.id.level > plan_.top() && tile.open.size() > 1;
-  if (leave_out) {
-    tile.open.erase(tile.open.begin());
-    return std::optional<TileBlock>{};
-  }
-  assert(tile.id.level <= plan_.finest());  // finer ones can always be left out: bake_leaf() sees to it
-  tile.settled.add(tile.open.front());
-  tile.open.clear();
-  tile.has_stored = true;
-  return std::optional<TileBlock>(block_of(tile));
-}
-
-void HeightLayer::take(const HeightNode& child, HeightNode& parent) const {
+void HeightLayer::merge_child(const HeightNode& child, HeightNode& parent) const {
   take_child(child.tile, quadrant_of(child.id), parent.tile);
   if (child.edge_only) return;
   parent.filled -= (1 - child.filled) / 4;
-  parent.settled.add(child.settled);
+  parent.final_stats.add(child.final_stats);
   parent.has_stored = parent.has_stored || child.has_stored;
   parent.posts_used.resize(child.posts_used.size());
   for (std::size_t s = 0; s < child.posts_used.size(); ++s) parent.posts_used[s] += child.posts_used[s];
@@ -91,22 +75,44 @@ void HeightLayer::take(const HeightNode& child, HeightNode& parent) const {
   const std::vector<double> errors = errors_above(child, plan_.quantum_m());
   if (parent.errors_m.empty()) {
     parent.errors_m = errors;
-    parent.open = child.has_stored ? std::vector<ErrorStats>(1) : child.open;
+    parent.candidate_stats = child.has_stored ? std::vector<ErrorStats>(1) : child.candidate_stats;
     return;
   }
   parent.errors_m.resize(std::min(parent.errors_m.size(), errors.size()));
   for (std::size_t i = 0; i < parent.errors_m.size(); ++i)
     parent.errors_m[i] = std::max(parent.errors_m[i], errors[i]);
-  parent.open.resize(child.has_stored ? 1 : std::min(parent.open.size(), child.open.size()));
-  add_stats(parent.open, child.open);
+  parent.candidate_stats.resize(
+      child.has_stored ? 1 : std::min(parent.candidate_stats.size(), child.candidate_stats.size()));
+  add_stats(parent.candidate_stats, child.candidate_stats);
 }
 
-void HeightLayer::close_parent(HeightNode& parent) const {
+void HeightLayer::finish_parent(HeightNode& parent) const {
   cairn::close_parent(parent.tile);
 }
 
-void HeightLayer::summarise(const HeightNode& root) {
-  summary_.accuracy.add(root.settled);
+bool HeightLayer::can_prune(const HeightNode& node) const {
+  const bool parent_suffices =
+      !node.has_stored && node.id.level > plan_.top() && node.candidate_stats.size() > 1;
+  return node.edge_only || parent_suffices;
+}
+
+void HeightLayer::prune(HeightNode& node) const {
+  if (!node.edge_only) node.candidate_stats.erase(node.candidate_stats.begin());
+}
+
+void HeightLayer::keep(HeightNode& node) const {
+  assert(node.id.level <= plan_.finest());  // finer ones can always be pruned: measure_leaf() sees to it
+  node.final_stats.add(node.candidate_stats.front());
+  node.candidate_stats.clear();
+  node.has_stored = true;
+}
+
+TileBlock HeightLayer::encode(const HeightNode& node) const {
+  return block_of(node);
+}
+
+void HeightLayer::finish_root(const HeightNode& root) {
+  summary_.accuracy.add(root.final_stats);
   summary_.posts_used.resize(root.posts_used.size());
   for (std::size_t s = 0; s < root.posts_used.size(); ++s) summary_.posts_used[s] += root.posts_used[s];
 }

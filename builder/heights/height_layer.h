@@ -1,14 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
-#include "builder/bake/pyramid.h"
+#include "builder/bake/tile_layer.h"
+#include "builder/heights/height_leaf.h"
 #include "builder/heights/height_node.h"
 #include "builder/heights/height_plan.h"
 #include "builder/mosaic/mosaic.h"
-#include "cairn/build_options.h"
 
 namespace cairn {
 
@@ -18,30 +17,35 @@ struct HeightSummary {
   std::vector<std::uint64_t> posts_used;  ///< by source
 };
 
-/// The heights layer of a bake, see Pyramid and bake_layer(). A tile is left out where its parent's surface
-/// is within the error bound of every post and none of its descendants is stored.
+/// The heights layer of a bake, a TileLayer. A tile is pruned where its parent's surface is within the error
+/// bound of every post and none of its descendants is stored.
 class HeightLayer {
  public:
-  using Tile = HeightNode;
+  using Leaf = SampledLeaf;
+  using Node = HeightNode;
 
   /// REQUIRES: mosaic and plan outlive the layer.
   HeightLayer(const Mosaic& mosaic, const HeightPlan& plan, VoidMode voids)
       : mosaic_(mosaic), plan_(plan), voids_(voids) {}
 
-  static constexpr const char* stage() { return "heights"; }
-  std::uint64_t samples_a_tile() const;
+  Result<SampledLeaf> sample_leaf(const TileId& id) const;
+  HeightNode measure_leaf(SampledLeaf leaf) const;
 
-  Result<HeightNode> bake_leaf(const TileId& id) const;
-  HeightNode open_parent(const TileId& id) const;
-  void take(const HeightNode& child, HeightNode& parent) const;
-  void close_parent(HeightNode& parent) const;
-  Result<std::optional<TileBlock>> settle(HeightNode& tile) const;
+  HeightNode begin_parent(const TileId& id) const;
+  void merge_child(const HeightNode& child, HeightNode& parent) const;
+  void finish_parent(HeightNode& parent) const;
 
-  void append(const HeightNode& tile, std::vector<std::byte>& out) const { append_height_node(tile, out); }
-  Result<HeightNode> read(ByteReader& in) const { return read_height_node(in, plan_.tile_size()); }
+  bool can_prune(const HeightNode& node) const;
+  void prune(HeightNode& node) const;
+  void keep(HeightNode& node) const;
+  TileBlock encode(const HeightNode& node) const;
 
-  /// Takes what a settled root of the whole tree knows.
-  void summarise(const HeightNode& root);
+  void save_state(const HeightNode& node, std::vector<std::byte>& out) const {
+    append_height_node(node, out);
+  }
+  Result<HeightNode> load_state(ByteReader& in) const { return read_height_node(in, plan_.tile_size()); }
+
+  void finish_root(const HeightNode& root);
   const HeightSummary& summary() const { return summary_; }
 
  private:

@@ -2,28 +2,118 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
 
-#include "builder/heights/leaf_error.h"
+#include "builder/heights/ancestor_errors.h"
+#include "builder/heights/error_stats.h"
+#include "builder/heights/geometric_error.h"
 #include "builder/heights/quantize_tile.h"
 #include "format/simd_clones.h"
 
 namespace cairn {
 namespace {
 
-// Measures level by level, upwards. Posts stay open for as long as tiles may be left out: because the coarser
-// surface keeps the error bound too, or because the level is finer than any that is stored.
-void measure_levels(const HeightPlan& plan, const MosaicTile& mosaic, HeightNode& baked) {
-  const PostCounting counting = plan.counting(baked.id);
-  const LeafErrors meter(baked.tile, plan.quantum_m(), mosaic.posts, counting);
-  baked.open.push_back(meter.own_stats());
-  baked.errors_m.push_back(meter.own().max_m);
-  bool open = true;
-  for (int up = 1; baked.id.level - up >= plan.top() && (plan.tile_size() - 1) % (1 << up) == 0; ++up) {
-    const double max_m = meter.max_m(up);
-    const bool too_fine = baked.id.level - up >= plan.finest();
-    open = open && (too_fine || meter.keeps(up, plan.error_bound_m(), max_m));
-    if (open) baked.open.push_back(meter.stats(up, max_m));
-    baked.errors_m.push_back(std::max(max_m, baked.errors_m.back()));
+// Measures the surfaces that a leaf has at its own level and at those above it, against the posts that won
+// there and against its samples.
+class LeafErrors {
+ public:
+  // REQUIRES: tile and posts outlive this.
+  LeafErrors(const HeightTile& tile, double quantum_m, std::span<const MeasuredPosts> posts,
+             const PostCounting& counting);
+
+  // Of the leaf itself, against the posts.
+  const SurfaceError& own() const { return own_; }
+  const ErrorStats& own_stats() const { return own_stats_; }
+
+  // How far the surface `up` levels above is from the posts and from the leaf's samples: what the scene sees
+  // of a coarser tile is its distance from the finest, between the posts too.
+  double max_m(int up) const;
+
+  // Whether that surface keeps an error bound to the posts; `max_m` is max_m(up).
+  bool keeps(int up, double error_bound_m, double max_m) const;
+
+  // Every counted post's error there; `max_m` is max_m(up).
+  ErrorStats stats(int up, double max_m) const;
+
+ private:
+  SurfaceError of_posts(int up) const;
+  MeasuredPosts samples_as_posts() const;
+
+  const HeightTile& tile_;
+  double quantum_m_;
+  std::span<const MeasuredPosts> posts_;
+  PostCounting counting_;
+  SurfaceError own_;
+  ErrorStats own_stats_;
+  PostErrors own_errors_;
+  std::optional<AncestorErrors> ancestors_;  // unset where only each post by itself can be measured
+};
+
+SurfaceError worse_of(const SurfaceError& a, const SurfaceError& b) {
+  return {std::max(a.max_m, b.max_m), a.has_holes || b.has_holes};
+}
+
+LeafErrors::LeafErrors(const HeightTile& tile, double quantum_m, std::span<const MeasuredPosts> posts,
+                       const PostCounting& counting)
+    : tile_(tile), quantum_m_(quantum_m), posts_(posts), counting_(counting) {
+  for (const auto& p : posts_)
+    own_ = worse_of(own_, measure_own_surface(tile_, quantum_m_, p, counting_, own_stats_, own_errors_));
+  if (AncestorErrors::can_measure(tile_, posts_)) ancestors_.emplace(tile_, quantum_m_, posts_, own_errors_);
+}
+
+double LeafErrors::max_m(int up) const {
+  if (ancestors_) return ancestors_->max_m(up);
+  return std::max(of_posts(up).max_m, measure_surface(tile_, quantum_m_, up, samples_as_posts()).max_m);
+}
+
+bool LeafErrors::keeps(int up, double error_bound_m, double max_m) const {
+  if (ancestors_) return max_m <= error_bound_m || !ancestors_->any_post_beyond(up, error_bound_m);
+  const SurfaceError error = of_posts(up);
+  return error.max_m <= error_bound_m && !error.has_holes;
+}
+
+ErrorStats LeafErrors::stats(int up, double max_m) const {
+  if (max_m == 0 && own_.max_m == 0 && !own_.has_holes) return own_stats_;
+  ErrorStats stats;
+  for (const auto& p : posts_) measure_surface(tile_, quantum_m_, up, p, counting_, stats);
+  return stats;
+}
+
+SurfaceError LeafErrors::of_posts(int up) const {
+  SurfaceError worst;
+  for (const auto& p : posts_) worst = worse_of(worst, measure_surface(tile_, quantum_m_, up, p));
+  return worst;
+}
+
+MeasuredPosts LeafErrors::samples_as_posts() const {
+  MeasuredPosts samples;
+  for (int i = 0; i < tile_.size; ++i) samples.xs.push_back(i);
+  samples.ys = samples.xs;
+  samples.heights.reserve(tile_.samples.size());
+  for (std::size_t i = 0; i < tile_.samples.size(); ++i) {
+    const bool is_void = !tile_.voids.empty() && tile_.voids[i] != 0;
+    samples.heights.push_back(is_void ? std::numeric_limits<float>::quiet_NaN()
+                                      : static_cast<float>(tile_.samples[i] * quantum_m_));
+  }
+  return samples;
+}
+
+// Measures level by level, upwards. A tile can be pruned while the next coarser surface keeps the error
+// bound, too, or while its level is finer than any that is stored.
+void measure_levels(const HeightPlan& plan, const MosaicTile& sampled, HeightNode& node) {
+  const PostCounting counting = plan.counting(node.id);
+  const LeafErrors errors(node.tile, plan.quantum_m(), sampled.posts, counting);
+  node.candidate_stats.push_back(errors.own_stats());
+  node.errors_m.push_back(errors.own().max_m);
+  bool may_prune = true;
+  for (int up = 1; node.id.level - up >= plan.top() && (plan.tile_size() - 1) % (1 << up) == 0; ++up) {
+    const double max_m = errors.max_m(up);
+    const bool too_fine = node.id.level - up >= plan.finest();
+    may_prune = may_prune && (too_fine || errors.keeps(up, plan.error_bound_m(), max_m));
+    if (may_prune) node.candidate_stats.push_back(errors.stats(up, max_m));
+    node.errors_m.push_back(std::max(max_m, node.errors_m.back()));
   }
 }
 
@@ -69,19 +159,26 @@ std::vector<std::uint64_t> count_winners(const Mosaic& mosaic, const MosaicTile&
 
 }  // namespace
 
-Result<HeightNode> bake_leaf(const Mosaic& mosaic, const HeightPlan& plan, const TileId& id, VoidMode voids) {
-  const auto sampled = mosaic.sample(id);
+Result<SampledLeaf> sample_leaf(const Mosaic& mosaic, const HeightPlan& plan, const TileId& id,
+                                VoidMode voids) {
+  auto sampled = mosaic.sample(id);
   if (!sampled) return sampled.error();
-  QuantizedTile cut = quantize_tile(*sampled, plan.tile_size(), plan.quantum_m(), voids);
-  HeightNode baked;
-  baked.id = id;
-  baked.tile = std::move(cut.tile);
-  baked.filled = cut.filled;
-  baked.edge_only = plan.tree().edge_only(id);
-  if (baked.edge_only) return baked;
-  measure_levels(plan, *sampled, baked);
-  baked.posts_used = count_winners(mosaic, *sampled, plan.counting(id));
-  return baked;
+  QuantizedTile quantized = quantize_tile(*sampled, plan.tile_size(), plan.quantum_m(), voids);
+  SampledLeaf leaf;
+  leaf.node.id = id;
+  leaf.node.tile = std::move(quantized.tile);
+  leaf.node.filled = quantized.filled;
+  leaf.node.edge_only = plan.tree().edge_only(id);
+  leaf.sampled = std::move(*sampled);
+  return leaf;
+}
+
+HeightNode measure_leaf(const Mosaic& mosaic, const HeightPlan& plan, SampledLeaf leaf) {
+  HeightNode node = std::move(leaf.node);
+  if (node.edge_only) return node;
+  measure_levels(plan, leaf.sampled, node);
+  node.posts_used = count_winners(mosaic, leaf.sampled, plan.counting(node.id));
+  return node;
 }
 
 }  // namespace cairn

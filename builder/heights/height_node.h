@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "builder/heights/error_stats.h"
-#include "format/bytes.h"
 #include "cairn/height_tile.h"
 #include "cairn/status.h"
 #include "cairn/tile_id.h"
+#include "format/bytes.h"
 
 namespace cairn {
 
@@ -21,11 +21,11 @@ struct HeightNode {
   /// small, for every level up to the plan's top. Decreasing detail never decreases it.
   std::vector<double> errors_m;
 
-  /// Posts whose finest stored tile is known, measured there.
-  ErrorStats settled;
-  /// open[i]: posts not settled yet, measured at level id.level - i. It goes as far up as tiles may be left
-  /// out.
-  std::vector<ErrorStats> open;
+  /// Errors of the posts whose finest stored tile is known, measured there.
+  ErrorStats final_stats;
+  /// Errors of the other posts if their finest stored tile turns out to be the one at level id.level - i, by
+  /// i. It goes as far up as tiles can be pruned.
+  std::vector<ErrorStats> candidate_stats;
   bool edge_only = false;   ///< only its edge counts, for its parent: never stored, nothing measured
   bool has_stored = false;  ///< this tile or a descendant is stored
 
@@ -34,7 +34,7 @@ struct HeightNode {
 };
 
 /// For the journal: a finished subtree's root again after an interruption.
-void append_height_node(const HeightNode& baked, std::vector<std::byte>& out);
+void append_height_node(const HeightNode& node, std::vector<std::byte>& out);
 Result<HeightNode> read_height_node(ByteReader& in, int tile_size);
 
 }  // namespace cairn

@@ -21,37 +21,37 @@ TileTree::LeafLevel leaf_level_in(const Mosaic& mosaic, const std::optional<GeoB
 HeightPlan::HeightPlan(const Mosaic& mosaic)
     : mosaic_(&mosaic), tree_(kMinLevel, leaf_level_in(mosaic, {})) {}
 
-Status HeightPlan::choose_levels(const BuildOptions& options) {
+Status HeightPlan::choose_levels(const MosaicOptions& asked, const GridOptions& grid) {
   const int native = mosaic_->finest_level();
-  finest_ = options.level.value_or(native);
-  const int top = options.top.value_or(mosaic_->is_global() ? kMinLevel : std::min(0, finest_));
-  tree_ = TileTree(top, leaf_level_in(*mosaic_, options.region),
+  finest_ = asked.level.value_or(native);
+  const int top = grid.top.value_or(mosaic_->is_global() ? kMinLevel : std::min(0, finest_));
+  tree_ = TileTree(top, leaf_level_in(*mosaic_, grid.region),
                    [mosaic = mosaic_](const TileId& id) { return mosaic->touches(id); });
   if (top > finest_) {
-    return usage_error("--top " + std::to_string(top) + ": expected a level no finer than the finest, " +
-                       std::to_string(finest_));
+    return usage_error("top level: expected one no finer than the finest, " + std::to_string(finest_) +
+                       ", found " + std::to_string(top));
   }
   return {};
 }
 
 // Where heights are stored as the sources have them, their own step keeps any error bound. Elsewhere the
 // rounding may use up half of E at most; for whole metres a quarter keeps slopes smooth between the posts.
-Status HeightPlan::choose_quantum(const BuildOptions& options) {
+void HeightPlan::choose_quantum(const MosaicOptions& asked, const HeightOptions& heights) {
   const bool whole = mosaic_->whole_metres();
-  error_bound_m_ = options.max_error_m.value_or(whole ? 0.5 : 0.05);
+  error_bound_m_ = asked.max_error_m.value_or(whole ? 0.5 : 0.05);
   const double step = whole && mosaic_->posts_are_samples() ? 1.0 : whole ? 0.25 : 0.02;
-  quantum_m_ = options.quantum_m.value_or(
+  quantum_m_ = heights.quantum_m.value_or(
       whole && mosaic_->posts_are_samples() ? 1.0 : std::min(step, error_bound_m_ / 2));
-  return {};
 }
 
-Result<HeightPlan> HeightPlan::make(const Mosaic& mosaic, const BuildOptions& options) {
+Result<HeightPlan> HeightPlan::make(const Mosaic& mosaic, const MosaicOptions& asked,
+                                    const HeightOptions& heights, const GridOptions& grid) {
   HeightPlan plan(mosaic);
-  plan.tile_size_ = options.tile_size;
-  if (auto status = plan.choose_levels(options); !status) return status.error();
-  if (auto status = plan.choose_quantum(options); !status) return status.error();
+  plan.tile_size_ = grid.tile_size;
+  if (auto status = plan.choose_levels(asked, grid); !status) return status.error();
+  plan.choose_quantum(asked, heights);
   if (plan.tree_.units().empty())
-    return usage_error("--region: expected an area that the sources cover, found none");
+    return usage_error("region: expected an area that the sources cover, found none");
   return plan;
 }
 

@@ -3,7 +3,8 @@
 #include "builder/bake/tile_tree.h"
 #include "builder/heights/geometric_error.h"
 #include "builder/mosaic/mosaic.h"
-#include "cairn/build_options.h"
+#include "cairn/grid_options.h"
+#include "cairn/height_options.h"
 #include "cairn/tile_id.h"
 
 namespace cairn {
@@ -12,7 +13,8 @@ namespace cairn {
 class HeightPlan {
  public:
   /// REQUIRES: the mosaic outlives the plan.
-  static Result<HeightPlan> make(const Mosaic& mosaic, const BuildOptions& options);
+  static Result<HeightPlan> make(const Mosaic& mosaic, const MosaicOptions& asked,
+                                 const HeightOptions& heights, const GridOptions& grid);
 
   int tile_size() const { return tile_size_; }
   int top() const { return tree_.top(); }                  ///< the coarsest level
@@ -27,8 +29,8 @@ class HeightPlan {
 
  private:
   explicit HeightPlan(const Mosaic& mosaic);
-  Status choose_levels(const BuildOptions& options);
-  Status choose_quantum(const BuildOptions& options);
+  Status choose_levels(const MosaicOptions& asked, const GridOptions& grid);
+  void choose_quantum(const MosaicOptions& asked, const HeightOptions& heights);
 
   const Mosaic* mosaic_;
   int tile_size_ = 513;

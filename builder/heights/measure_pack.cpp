@@ -74,11 +74,13 @@ Result<ErrorStats> measure_leaf(const Mosaic& mosaic, const HeightPlan& plan, co
 
 }  // namespace
 
-Result<ErrorStats> measure_pack(const PackReader& pack, const BuildOptions& options) {
-  const MemoryBudget memory = divide_memory(options.memory_bytes, options.threads, options.tile_size, false);
-  const auto mosaic = Mosaic::open(options, memory.cache_bytes);
+Result<ErrorStats> measure_pack(const PackReader& pack, const MosaicOptions& asked,
+                                const HeightOptions& heights, const GridOptions& grid,
+                                const SessionOptions& session) {
+  const MemoryBudget memory = divide_memory(session.memory_bytes, session.threads, grid.tile_size, false);
+  const auto mosaic = Mosaic::open(asked, grid.tile_size, memory.cache_bytes);
   if (!mosaic) return mosaic.error();
-  const auto plan = HeightPlan::make(**mosaic, options);
+  const auto plan = HeightPlan::make(**mosaic, asked, heights, grid);
   if (!plan) return plan.error();
   std::vector<TileId> leaves;
   for (const TileId& unit : plan->tree().units()) {

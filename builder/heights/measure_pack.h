@@ -1,15 +1,21 @@
 #pragma once
 
 #include "builder/heights/error_stats.h"
-#include "cairn/build_options.h"
+#include "cairn/grid_options.h"
+#include "cairn/height_options.h"
+#include "cairn/mosaic_options.h"
 #include "cairn/pack_reader.h"
+#include "cairn/session_options.h"
 #include "cairn/status.h"
 
 namespace cairn {
 
 /// Measures a pack anew against its sources: every post that won, against the bilinear surface of the finest
-/// tile, decoded from the pack, that covers it. REQUIRES: `options` as the bake had them. Uses all threads of
+/// tile, decoded from the pack, that covers it. REQUIRES: options as the bake had them; of the session's only
+/// memory and threads count. Uses all threads of
 /// the caller's arena.
-Result<ErrorStats> measure_pack(const PackReader& pack, const BuildOptions& options);
+Result<ErrorStats> measure_pack(const PackReader& pack, const MosaicOptions& asked,
+                                const HeightOptions& heights, const GridOptions& grid,
+                                const SessionOptions& session);
 
 }  // namespace cairn

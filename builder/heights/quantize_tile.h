@@ -1,7 +1,7 @@
 #pragma once
 
 #include "builder/mosaic/mosaic.h"
-#include "cairn/build_options.h"
+#include "cairn/height_options.h"
 #include "cairn/height_tile.h"
 
 namespace cairn {

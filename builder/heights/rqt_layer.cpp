@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
+#include "builder/bake/layer_bake.h"
 #include "builder/bake/pipeline.h"
-#include "builder/bake/pyramid.h"
-#include "format/checksum.h"
-#include "format/file.h"
+#include "builder/bake/tile_layer.h"
+#include "builder/bake/tile_tree.h"
 #include "format/height_block.h"
 #include "format/rqt_block.h"
 #include "format/rqt_borders.h"
@@ -18,159 +21,158 @@
 namespace cairn {
 namespace {
 
-constexpr std::size_t kTilesInUnit = 16;
+constexpr int kLevelsInUnit = 2;
 
-using Entries = std::vector<IndexEntry>;
-using Units = std::vector<Entries>;
+using Entries = std::unordered_map<TileId, IndexEntry>;
 
-/// The height tiles by level, the coarsest first, in the order in which the pack has them.
-std::map<int, Units> units_by_level(const Entries& entries) {
-  std::map<int, Units> levels;
+std::map<int, Entries> heights_by_level(const std::vector<IndexEntry>& entries) {
+  std::map<int, Entries> levels;
   for (const IndexEntry& entry : entries) {
-    if (entry.layer != Layer::heights) continue;
-    Units& units = levels[entry.id.level];
-    if (units.empty() || units.back().size() == kTilesInUnit) units.emplace_back();
-    units.back().push_back(entry);
+    if (entry.layer == Layer::heights) levels[entry.id.level].emplace(entry.id, entry);
   }
   return levels;
 }
 
-/// The heights of a pack that is not finished yet.
-class PartReader {
- public:
-  PartReader(File part, int tile_size) : part_(std::move(part)), tile_size_(tile_size) {}
-
-  Result<HeightTile> read(const IndexEntry& entry) const {
-    if ((entry.flags & kConstant) != 0) {
-      const auto side = static_cast<std::size_t>(tile_size_);
-      return HeightTile{tile_size_, std::vector<std::int32_t>(side * side, entry.min_quanta), {}};
-    }
-    std::vector<std::byte> block(entry.bytes);
-    if (auto status = part_.read(entry.offset, block); !status) return status.error();
-    if (checksum(block) != entry.checksum)
-      return bad_data(part_.path().string() + ": heights " + to_string(entry.id) +
-                      ": expected the block as it was written, found another");
-    return decode_height_block(block, tile_size_);
+/// The tiles of one level as leaves of a tree, which is walked in the order in which the heights were baked.
+TileTree tree_over(int level, const Entries& tiles) {
+  std::unordered_set<TileId> walked;
+  for (const auto& [id, entry] : tiles) {
+    for (TileId at = id; walked.insert(at).second && at.level > kMinLevel;) at = parent_of(at);
   }
+  return TileTree(std::max(kMinLevel, level - kLevelsInUnit),
+                  [level, walked = std::move(walked)](const TileId& id) {
+                    return walked.contains(id) ? std::optional(level) : std::nullopt;
+                  });
+}
 
- private:
-  File part_;
-  int tile_size_;
-};
-
+/// The triangulations of one level of heights, a TileLayer. Parents are not stored: they are of coarser
+/// levels.
 class RqtLevel {
  public:
-  RqtLevel(const RqtPlan& plan, const PartReader& heights, const Units& units, int threads)
-      : plan_(plan),
-        heights_(heights),
-        units_(units),
-        in_flight_(static_cast<std::size_t>(threads) + 1),
-        borders_(plan.tile_size),
-        tolerance_m_(std::ldexp(plan.tolerance_m, plan.finest - units.front().front().id.level)) {}
+  struct Node {
+    TileId id;
+    std::optional<RqtSteps> vertices;  ///< none in a parent
+  };
+  using Leaf = Node;
 
-  /// Every tile for itself, then the borders.
-  Status agree() {
-    const auto status = run_in_order<Triangulated>(
-        0, units_.size(), in_flight_, [&](std::size_t u) { return triangulate_unit(units_[u]); },
-        [&](std::size_t u, Triangulated&& unit) -> Status {
-          for (std::size_t i = 0; i < unit.size(); ++i) borders_.add(units_[u][i].id, unit[i]);
+  RqtLevel(const RqtPlan& plan, const PackWriter& pack, int level, const Entries& heights)
+      : plan_(plan),
+        pack_(pack),
+        heights_(heights),
+        borders_(plan.tile_size),
+        tolerance_m_(std::ldexp(plan.tolerance_m, plan.finest - level)) {}
+
+  /// Triangulates every tile for itself, so that the borders of all can agree. sample_leaf() needs that.
+  Status agree_on_borders(const TileTree& tree, int threads) {
+    const std::vector<TileId> units = tree.units();
+    const auto status = run_in_order<std::vector<Node>>(
+        0, units.size(), static_cast<std::size_t>(threads) + 1,
+        [&](std::size_t u) { return triangulate_all(tree.leaves(units[u])); },
+        [&](std::size_t, std::vector<Node>&& nodes) -> Status {
+          for (const Node& node : nodes) borders_.add(node.id, *node.vertices);
           return {};
         });
     if (status) borders_.settle();
     return status;
   }
 
-  /// Every tile again, from unit `first` on, with what its neighbours need.
-  template <class Sink>
-  Status emit(std::size_t first, const Sink& sink) const {
-    return run_in_order<std::vector<TileBlock>>(
-        first, units_.size(), in_flight_, [&](std::size_t u) { return encode_unit(units_[u]); },
-        [&](std::size_t u, std::vector<TileBlock>&& blocks) { return sink(units_[u].size(), blocks); });
+  Result<Node> sample_leaf(const TileId& id) const {
+    auto vertices = triangulate_tile(id);
+    if (!vertices) return vertices.error();
+    borders_.apply(id, *vertices);
+    return Node{id, std::move(*vertices)};
   }
+  Node measure_leaf(Node leaf) const { return leaf; }
+
+  Node begin_parent(const TileId& id) const { return {id, std::nullopt}; }
+  void merge_child(const Node&, Node&) const {}
+  void finish_parent(Node&) const {}
+
+  bool can_prune(const Node& node) const { return !node.vertices.has_value(); }
+  void prune(Node&) const {}
+  void keep(Node&) const {}
+
+  TileBlock encode(Node& node) const {
+    TileBlock out;
+    out.entry.layer = Layer::rqt;
+    out.entry.id = node.id;
+    out.entry.geometric_error_m = tolerance_m_;
+    out.entry.min_quanta = static_cast<std::int32_t>(node.vertices->triangle_count(kRqtSteps - 1));
+    out.entry.max_quanta = static_cast<std::int32_t>(node.vertices->triangle_count(0));
+    out.block = encode_rqt_block({tolerance_m_, kRqtSteps, std::move(*node.vertices)});
+    return out;
+  }
+
+  void save_state(const Node& node, std::vector<std::byte>& out) const {
+    ByteWriter writer(out);
+    writer.write(std::int32_t{node.id.level});
+    writer.write(node.id.x);
+    writer.write(node.id.y);
+  }
+  Result<Node> load_state(ByteReader& in) const {
+    Node node;
+    node.id.level = in.read<std::int32_t>();
+    node.id.x = in.read<std::int32_t>();
+    node.id.y = in.read<std::int32_t>();
+    if (!in.ok() || !is_valid(node.id)) return bad_data("journal: a finished subtree: expected more bytes");
+    return node;
+  }
+  void finish_root(const Node&) {}
 
  private:
-  using Triangulated = std::vector<RqtSteps>;
-
-  Result<Triangulated> triangulate_unit(const Entries& unit) const {
-    Triangulated result;
-    for (const IndexEntry& entry : unit) {
-      const auto tile = heights_.read(entry);
-      if (!tile) return tile.error();
-      result.push_back(triangulate(*tile, plan_.quantum_m, tolerance_m_, kRqtSteps, root_rises(entry.id)));
+  Result<HeightTile> heights_of(const TileId& id) const {
+    const IndexEntry& entry = heights_.at(id);
+    if ((entry.flags & kConstant) != 0) {
+      const auto side = static_cast<std::size_t>(plan_.tile_size);
+      return HeightTile{plan_.tile_size, std::vector<std::int32_t>(side * side, entry.min_quanta), {}};
     }
-    return result;
+    const auto block = pack_.read_block(entry);
+    if (!block) return block.error();
+    return decode_height_block(*block, plan_.tile_size);
   }
 
-  Result<std::vector<TileBlock>> encode_unit(const Entries& unit) const {
-    auto triangulated = triangulate_unit(unit);
-    if (!triangulated) return triangulated.error();
-    std::vector<TileBlock> blocks;
-    for (std::size_t i = 0; i < unit.size(); ++i) {
-      RqtSteps& vertices = (*triangulated)[i];
-      borders_.apply(unit[i].id, vertices);
-      IndexEntry entry;
-      entry.layer = Layer::rqt;
-      entry.id = unit[i].id;
-      entry.geometric_error_m = tolerance_m_;
-      entry.min_quanta = static_cast<std::int32_t>(vertices.triangle_count(kRqtSteps - 1));
-      entry.max_quanta = static_cast<std::int32_t>(vertices.triangle_count(0));
-      blocks.push_back({entry, encode_rqt_block({tolerance_m_, kRqtSteps, std::move(vertices)})});
+  Result<RqtSteps> triangulate_tile(const TileId& id) const {
+    const auto tile = heights_of(id);
+    if (!tile) return tile.error();
+    return triangulate(*tile, plan_.quantum_m, tolerance_m_, kRqtSteps, root_rises(id));
+  }
+
+  Result<std::vector<Node>> triangulate_all(const std::vector<TileId>& ids) const {
+    std::vector<Node> nodes;
+    for (const TileId& id : ids) {
+      auto vertices = triangulate_tile(id);
+      if (!vertices) return vertices.error();
+      nodes.push_back({id, std::move(*vertices)});
     }
-    return blocks;
+    return nodes;
   }
 
   const RqtPlan& plan_;
-  const PartReader& heights_;
-  const Units& units_;
-  std::size_t in_flight_;
+  const PackWriter& pack_;
+  const Entries& heights_;
   RqtBorders borders_;
   float tolerance_m_;
 };
 
-Status write_unit(const std::vector<TileBlock>& blocks, BakeSession& session) {
-  UnitRecord record;
-  for (const TileBlock& block : blocks) {
-    auto entry = session.writer.add(block.entry, block.block);
-    if (!entry) return entry.error();
-    record.entries.push_back(*entry);
-  }
-  // The journal must not speak of blocks that a killed process would still hold.
-  if (auto status = session.writer.flush(); !status) return status;
-  return session.journal.append(record);
-}
-
 }  // namespace
 
-Status bake_rqt_layer(const RqtPlan& plan, const std::filesystem::path& target, int threads,
-                      BakeSession& session, const ProgressCallback& progress) {
+Status bake_rqt_layers(const RqtPlan& plan, int threads, BakeSession& session,
+                       const ProgressCallback& progress) {
   if (auto status = session.writer.flush(); !status) return status;
-  auto part = File::open_to_read(std::filesystem::path(target).concat(".part"));
-  if (!part) return part.error();
-  const PartReader heights(std::move(*part), plan.tile_size);
-  const std::map<int, Units> levels = units_by_level(session.writer.entries());
-  const auto samples =
-      static_cast<std::uint64_t>(plan.tile_size - 1) * static_cast<std::uint64_t>(plan.tile_size - 1);
+  const std::map<int, Entries> levels = heights_by_level(session.writer.entries());
+  const auto intervals = static_cast<std::uint64_t>(plan.tile_size - 1);
+  const std::uint64_t samples = intervals * intervals;
   Progress now{"rqt", 0, 0, session.writer.position()};
-  for (const auto& [level, units] : levels) {
-    for (const Entries& unit : units) now.total += unit.size() * samples;
-  }
-  std::size_t done = session.done.size();
-  session.done.clear();
-  for (const auto& [level, units] : levels) {
-    const std::size_t skipped = std::min(done, units.size());
-    done -= skipped;
-    for (std::size_t u = 0; u < skipped; ++u) now.done += units[u].size() * samples;
-    if (skipped == units.size()) continue;
-    RqtLevel bake(plan, heights, units, threads);
-    if (auto status = bake.agree(); !status) return status;
-    const auto status = bake.emit(skipped, [&](std::size_t tiles, const std::vector<TileBlock>& blocks) {
-      auto written = write_unit(blocks, session);
-      now.done += tiles * samples;
-      now.bytes_written = session.writer.position();
-      progress(now);
-      return written;
-    });
-    if (!status) return status;
+  for (const auto& [level, tiles] : levels) now.total += tiles.size() * samples;
+  for (const auto& [level, tiles] : levels) {
+    const TileTree tree = tree_over(level, tiles);
+    RqtLevel layer(plan, session.writer, level, tiles);
+    const bool is_done = tree.units().size() <= session.done.size();
+    if (!is_done) {
+      if (auto status = layer.agree_on_borders(tree, threads); !status) return status;
+    }
+    if (auto status = bake_layer(layer, tree, samples, threads, session, now, progress); !status)
+      return status;
   }
   return {};
 }

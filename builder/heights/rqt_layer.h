@@ -1,7 +1,5 @@
 #pragma once
 
-#include <filesystem>
-
 #include "builder/bake/bake_session.h"
 #include "cairn/progress.h"
 #include "cairn/status.h"
@@ -18,13 +16,13 @@ struct RqtPlan {
   float tolerance_m = 1;  ///< > 0
 };
 
-/// Adds the rqt layer: for each height tile of the pack its triangulations, see RqtSteps, with the same
-/// vertices on both sides of every edge that tiles of one level have in common (RqtBorders).
+/// Adds the rqt layer: for each height tile of the pack its triangulations, see RqtSteps, with equal vertices
+/// on both sides of every edge that tiles of one level have in common (RqtBorders).
 ///
-/// The heights are read back from `TARGET.part`. A level at a time: first every tile for itself, then, once
-/// the borders agree, every tile again, so that borders are kept in memory and no tiles. Units of sixteen
-/// tiles, journalled like those of the other layers. REQUIRES: all heights are in `work.writer`.
-Status bake_rqt_layer(const RqtPlan& plan, const std::filesystem::path& target, int threads,
-                      BakeSession& session, const ProgressCallback& progress);
+/// The heights are read back from the session's writer. A level at a time, the coarsest first: every tile for
+/// itself, then, once the borders agree, every tile again as a tile layer of its own, so that borders are
+/// kept in memory and no tiles. REQUIRES: all heights are in the session's writer.
+Status bake_rqt_layers(const RqtPlan& plan, int threads, BakeSession& session,
+                       const ProgressCallback& progress);
 
 }  // namespace cairn

@@ -17,31 +17,35 @@ LinearTexel* quadrant_row(LinearImage& image, int quadrant, int r) {
 
 }  // namespace
 
-Result<BakedTexture> ImageryLayer::bake_leaf(const TileId& id) const {
+Result<TextureLeaf> ImageryLayer::sample_leaf(const TileId& id) const {
   auto padded = mosaic_.sample(texels_of(id, size_, EdgeTexels::kRim));
   if (!padded) return padded.error();
-  BakedTexture baked;
-  baked.id = id;
-  if (is_empty(*padded)) return baked;
-  LinearImage half = halved(*padded);
-  baked.rim = EdgeTexels::cut(*padded, half);
-  baked.image = std::move(*padded);
-  baked.image.drop_margin(EdgeTexels::kRim);
-  baked.half = std::move(half);
-  baked.half.drop_margin(EdgeTexels::kRim / 2);
-  if (!is_empty(baked.image)) return baked;
-  BakedTexture empty;
-  empty.id = id;
+  return TextureLeaf{id, std::move(*padded)};
+}
+
+TextureNode ImageryLayer::measure_leaf(TextureLeaf leaf) const {
+  TextureNode node;
+  node.id = leaf.id;
+  if (is_empty(leaf.padded)) return node;
+  LinearImage half = halved(leaf.padded);
+  node.rim = EdgeTexels::cut(leaf.padded, half);
+  node.image = std::move(leaf.padded);
+  node.image.drop_margin(EdgeTexels::kRim);
+  node.half = std::move(half);
+  node.half.drop_margin(EdgeTexels::kRim / 2);
+  if (!is_empty(node.image)) return node;
+  TextureNode empty;
+  empty.id = leaf.id;
   return empty;
 }
 
-BakedTexture ImageryLayer::open_parent(const TileId& id) const {
-  BakedTexture parent;
+TextureNode ImageryLayer::begin_parent(const TileId& id) const {
+  TextureNode parent;
   parent.id = id;
   return parent;
 }
 
-void ImageryLayer::take(const BakedTexture& child, BakedTexture& parent) const {
+void ImageryLayer::merge_child(const TextureNode& child, TextureNode& parent) const {
   parent.has_stored = parent.has_stored || child.has_stored;
   const LinearImage& half = child.half;
   if (!half.is_set()) return;
@@ -53,7 +57,7 @@ void ImageryLayer::take(const BakedTexture& child, BakedTexture& parent) const {
   parent.child_mips[static_cast<std::size_t>(q)] = child.mips;
 }
 
-void ImageryLayer::close_parent(BakedTexture& parent) const {
+void ImageryLayer::finish_parent(TextureNode& parent) const {
   if (!parent.image.is_set()) return;
   for (int q = 0; q < 4; ++q) {
     if (!parent.child_rims[static_cast<std::size_t>(q)].is_empty()) continue;
@@ -67,23 +71,30 @@ void ImageryLayer::close_parent(BakedTexture& parent) const {
   parent.child_rims = {};
 }
 
-// A tile finer than all images that touch it serves its ancestors only: the runtime draws those.
-Result<std::optional<TileBlock>> ImageryLayer::settle(BakedTexture& tile) const {
-  const bool too_fine = mosaic_.native_level(tile.id).value_or(kMinLevel) < tile.id.level;
-  LinearImage image = std::exchange(tile.image, {});
-  const bool is_bare = !image.is_set() || is_empty(image);
-  if (too_fine || (is_bare && !tile.has_stored)) return std::optional<TileBlock>{};
-  tile.has_stored = true;
-  // Where the covered share is too small for a texel, the tile still leads to its descendants.
-  if (!image.is_set()) image = LinearImage(size_, size_);
-  if (!tile.half.is_set()) tile.half = LinearImage(size_ / 2, size_ / 2);
-  return std::optional<TileBlock>(encode_texture_tile(tile.id, {std::move(image), tile.half, tile.rim},
-                                                      options_, std::exchange(tile.child_mips, {}),
-                                                      tile.mips));
+bool ImageryLayer::can_prune(const TextureNode& node) const {
+  if (mosaic_.native_level(node.id).value_or(kMinLevel) < node.id.level) return true;
+  return !node.has_stored && (!node.image.is_set() || is_empty(node.image));
 }
 
-// Its mips are left out: they save its parent work, no more.
-void ImageryLayer::append(const BakedTexture& tile, std::vector<std::byte>& out) const {
+void ImageryLayer::prune(TextureNode& node) const {
+  node.image = {};
+}
+
+void ImageryLayer::keep(TextureNode& node) const {
+  node.has_stored = true;
+}
+
+TileBlock ImageryLayer::encode(TextureNode& node) const {
+  LinearImage image = std::exchange(node.image, {});
+  // Where the covered share is too small for a texel, the tile still leads to its descendants.
+  if (!image.is_set()) image = LinearImage(size_, size_);
+  if (!node.half.is_set()) node.half = LinearImage(size_ / 2, size_ / 2);
+  return encode_texture_tile(node.id, {std::move(image), node.half, node.rim}, options_,
+                             std::exchange(node.child_mips, {}), node.mips);
+}
+
+// The mips are not journalled: the parent can encode them again.
+void ImageryLayer::save_state(const TextureNode& tile, std::vector<std::byte>& out) const {
   const LinearImage& half = tile.half;
   const auto row_texels = static_cast<std::size_t>(half.columns);
   out.reserve(out.size() + 2 * row_texels * static_cast<std::size_t>(half.rows) * sizeof(LinearTexel));
@@ -98,8 +109,8 @@ void ImageryLayer::append(const BakedTexture& tile, std::vector<std::byte>& out)
   tile.rim.append_to(out);
 }
 
-Result<BakedTexture> ImageryLayer::read(ByteReader& in) const {
-  BakedTexture tile;
+Result<TextureNode> ImageryLayer::load_state(ByteReader& in) const {
+  TextureNode tile;
   tile.id.level = in.read<std::int32_t>();
   tile.id.x = in.read<std::int32_t>();
   tile.id.y = in.read<std::int32_t>();

@@ -7,9 +7,9 @@
 
 #include "builder/imagery/linear_image.h"
 #include "builder/imagery/texel_window.h"
-#include "cairn/imagery_options.h"
 #include "builder/raster/footprint.h"
 #include "builder/raster/raster_pool.h"
+#include "cairn/imagery_options.h"
 
 namespace cairn {
 

@@ -36,9 +36,10 @@ void drop_posts(MeasuredPosts& posts, const SampleWindow& window, const Loses& l
 
 }  // namespace
 
-Result<std::unique_ptr<Mosaic>> Mosaic::open(const BuildOptions& options, std::size_t cache_bytes) {
+Result<std::unique_ptr<Mosaic>> Mosaic::open(const MosaicOptions& options, int tile_size,
+                                             std::size_t cache_bytes) {
   std::unique_ptr<Mosaic> mosaic(new Mosaic);
-  mosaic->tile_size_ = options.tile_size;
+  mosaic->tile_size_ = tile_size;
   OpenOptions open_options;
   open_options.cache_bytes = cache_bytes;
   auto pool = RasterPool::open(options.inputs, open_options);
@@ -49,7 +50,8 @@ Result<std::unique_ptr<Mosaic>> Mosaic::open(const BuildOptions& options, std::s
     if (!geoid) return geoid.error();
     mosaic->geoid_ = std::move(*geoid);
   }
-  auto groups = group_sources(*mosaic->pool_, mosaic->geoid_ ? &*mosaic->geoid_ : nullptr, options);
+  auto groups =
+      group_sources(*mosaic->pool_, mosaic->geoid_ ? &*mosaic->geoid_ : nullptr, options, tile_size);
   if (!groups) return groups.error();
   mosaic->groups_ = std::move(*groups);
   mosaic->set_reaches();

@@ -7,8 +7,8 @@
 
 #include "builder/mosaic/geoid.h"
 #include "builder/mosaic/source_group.h"
-#include "cairn/build_options.h"
 #include "builder/raster/raster_pool.h"
+#include "cairn/mosaic_options.h"
 #include "cairn/tile_id.h"
 
 namespace cairn {
@@ -31,7 +31,8 @@ struct MosaicTile {
 /// whatever level, and shared edges agree bit for bit.
 class Mosaic {
  public:
-  static Result<std::unique_ptr<Mosaic>> open(const BuildOptions& options, std::size_t cache_bytes);
+  static Result<std::unique_ptr<Mosaic>> open(const MosaicOptions& options, int tile_size,
+                                              std::size_t cache_bytes);
 
   const RasterPool& pool() const { return *pool_; }
   /// Lets go of the sources' files and caches, once no more is read of them.

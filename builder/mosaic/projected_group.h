@@ -7,7 +7,6 @@
 
 #include "builder/mosaic/geoid.h"
 #include "builder/mosaic/source_group.h"
-#include "cairn/build_options.h"
 #include "builder/raster/raster_pool.h"
 #include "builder/resample/post_block.h"
 #include "builder/resample/resample_projected.h"

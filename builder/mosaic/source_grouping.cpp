@@ -29,12 +29,10 @@ int level_for(double posts_per_degree, int tile_size) {
   return level;
 }
 
-int lattice_level(const Lattice& lattice, const BuildOptions& options) {
-  int level =
-      level_for(std::max(lattice.lon.posts_per_degree, lattice.lat.posts_per_degree), options.tile_size);
+int lattice_level(const Lattice& lattice, ResampleMethod resampling, int tile_size) {
+  int level = level_for(std::max(lattice.lon.posts_per_degree, lattice.lat.posts_per_degree), tile_size);
   const auto usable = [&](const LatticeAxis& axis) {
-    return AxisResampler(axis, samples_per_degree(level, options.tile_size), options.resampling)
-        .is_well_conditioned();
+    return AxisResampler(axis, samples_per_degree(level, tile_size), resampling).is_well_conditioned();
   };
   while (level < kMaxLevel && !(usable(lattice.lon) && usable(lattice.lat))) ++level;
   return level;
@@ -52,14 +50,14 @@ void add_to_lattice(std::vector<LatticeMembers>& lattices, std::size_t source,
 }
 
 // --level finer than the sources need: the finest groups are sampled there.
-int asked_level(int native, int finest, const BuildOptions& options) {
+int asked_level(int native, int finest, const MosaicOptions& options) {
   return native == finest && options.level ? std::max(native, *options.level) : native;
 }
 
 }  // namespace
 
 Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool, const Geoid* geoid,
-                                                                const BuildOptions& options) {
+                                                                const MosaicOptions& options, int tile_size) {
   std::vector<LatticeMembers> lattices;
   std::vector<std::size_t> projected;
   for (std::size_t s = 0; s < pool.size(); ++s) {
@@ -70,23 +68,23 @@ Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool
     }
   }
   int finest = kMinLevel;
-  for (const auto& l : lattices) finest = std::max(finest, lattice_level(l.lattice, options));
+  for (const auto& l : lattices)
+    finest = std::max(finest, lattice_level(l.lattice, options.resampling, tile_size));
   for (const std::size_t s : projected)
-    finest = std::max(finest, ProjectedGroup::level_for(pool.info(s), options.tile_size));
+    finest = std::max(finest, ProjectedGroup::level_for(pool.info(s), tile_size));
 
   std::vector<std::unique_ptr<SourceGroup>> groups;
   for (auto& l : lattices) {
-    const int level = asked_level(lattice_level(l.lattice, options), finest, options);
+    const int level = asked_level(lattice_level(l.lattice, options.resampling, tile_size), finest, options);
     groups.push_back(std::make_unique<LatticeGroup>(pool, geoid, l.lattice, std::move(l.members), level,
-                                                    samples_per_degree(level, options.tile_size),
+                                                    samples_per_degree(level, tile_size),
                                                     options.resampling));
   }
   const double error_bound_m = options.max_error_m.value_or(kFinestDefaultErrorBound);
   const double tolerance = error_bound_m * kShareOfErrorBound;
   for (const std::size_t s : projected) {
-    const int level =
-        asked_level(ProjectedGroup::level_for(pool.info(s), options.tile_size), finest, options);
-    groups.push_back(std::make_unique<ProjectedGroup>(pool, geoid, s, level, options.tile_size, tolerance));
+    const int level = asked_level(ProjectedGroup::level_for(pool.info(s), tile_size), finest, options);
+    groups.push_back(std::make_unique<ProjectedGroup>(pool, geoid, s, level, tile_size, tolerance));
   }
   std::sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) {
     if (a->spacing_degrees() != b->spacing_degrees()) return a->spacing_degrees() < b->spacing_degrees();

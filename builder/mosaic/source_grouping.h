@@ -5,8 +5,8 @@
 
 #include "builder/mosaic/geoid.h"
 #include "builder/mosaic/source_group.h"
-#include "cairn/build_options.h"
 #include "builder/raster/raster_pool.h"
+#include "cairn/mosaic_options.h"
 
 namespace cairn {
 
@@ -14,6 +14,6 @@ namespace cairn {
 /// coarser ones, then by the order on the command line of the group's first source. REQUIRES: pool and geoid
 /// (may be null) outlive the groups.
 Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool, const Geoid* geoid,
-                                                                const BuildOptions& options);
+                                                                const MosaicOptions& options, int tile_size);
 
 }  // namespace cairn

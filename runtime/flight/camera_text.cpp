@@ -25,8 +25,8 @@ bool parse_numbers(std::string_view text, char separator, std::span<T> values) {
   return at == end;
 }
 
-Error unexpected(const char* option, const char* expected, std::string_view found) {
-  return usage_error(std::string(option) + ": expected " + expected + ", found " + std::string(found));
+Error unexpected(const char* what, const char* expected, std::string_view found) {
+  return usage_error(std::string(what) + ": expected " + expected + ", found " + std::string(found));
 }
 
 }  // namespace
@@ -34,14 +34,14 @@ Error unexpected(const char* option, const char* expected, std::string_view foun
 Result<ViewState> parse_camera(std::string_view text) {
   std::array<double, 5> v{};
   const char* expected = "LON,LAT,ALT,HEADING,PITCH, degrees and metres";
-  if (!parse_numbers(text, ',', std::span<double>(v))) return unexpected("--camera", expected, text);
+  if (!parse_numbers(text, ',', std::span<double>(v))) return unexpected("camera", expected, text);
   for (const double value : v) {
-    if (!std::isfinite(value)) return unexpected("--camera", expected, text);
+    if (!std::isfinite(value)) return unexpected("camera", expected, text);
   }
-  if (std::abs(v[1]) > 90) return unexpected("--camera", "a latitude within 90", text);
-  if (std::abs(v[4]) > 90) return unexpected("--camera", "a pitch within 90", text);
+  if (std::abs(v[1]) > 90) return unexpected("camera", "a latitude within 90", text);
+  if (std::abs(v[4]) > 90) return unexpected("camera", "a pitch within 90", text);
   if (v[2] < -12000 || v[2] > 1e9)
-    return unexpected("--camera", "an altitude from -12 km to 1,000,000 km", text);
+    return unexpected("camera", "an altitude from -12 km to 1,000,000 km", text);
   ViewState view;
   view.eye = {v[0], v[1]};
   view.height_m = v[2];
@@ -54,7 +54,7 @@ Result<Size> parse_size(std::string_view text) {
   std::array<int, 2> v{};
   if (!parse_numbers(text, 'x', std::span<int>(v)) || v[0] < 1 || v[1] < 1 || v[0] > kMaxSide ||
       v[1] > kMaxSide) {
-    return unexpected("--size", "WIDTHxHEIGHT in pixels, each from 1 to 16384", text);
+    return unexpected("size", "WIDTHxHEIGHT in pixels, each from 1 to 16384", text);
   }
   return Size{v[0], v[1]};
 }
@@ -71,7 +71,7 @@ Result<glm::vec3> parse_colour(std::string_view text) {
   for (const auto& [name, colour] : kNames) {
     if (name == text) return colour;
   }
-  return unexpected("--hole-colour", "black, red, green, blue, yellow, magenta, cyan or white", text);
+  return unexpected("colour", "black, red, green, blue, yellow, magenta, cyan or white", text);
 }
 
 }  // namespace cairn::viewer

@@ -9,7 +9,7 @@
 
 namespace cairn::viewer {
 
-/// usage names the option, what it expects and what it found.
+/// An error of these has the code usage, and names what was expected and what was found.
 Result<ViewState> parse_camera(std::string_view text);
 struct Size {
   int width = 0;

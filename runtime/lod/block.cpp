@@ -8,7 +8,6 @@
 
 #include <algorithm>
 
-#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/patches.h"
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/lod/mesh/tile_culling.h"

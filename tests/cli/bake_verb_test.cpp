@@ -115,6 +115,8 @@ TEST_CASE("an output that exists is refused without --force and replaced with it
   test::write_bytes(pack, std::vector<std::byte>(3));
   expect_refusal({"bake", jacksboro(), "-o", pack.string()}, 2, dir.path(), 1);
   CHECK(fs::file_size(pack) == 3);
+  CHECK_THAT(run_cairn({"bake", jacksboro(), "-o", pack.string()}).err,
+             Catch::Contains("; --force replaces it\n"));
   CHECK(run_cairn({"bake", jacksboro(), "-o", pack.string(), "--force"}).exit_code == 0);
   CHECK(run_cairn({"info", pack.string()}).exit_code == 0);
 }

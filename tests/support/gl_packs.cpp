@@ -5,8 +5,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "cairn/build.h"
 #include "builder/texture_encode/texture_encode.h"
+#include "cairn/build.h"
 #include "format/codec.h"
 #include "format/height_block.h"
 #include "format/pack_writer.h"
@@ -128,13 +128,13 @@ bool bake_real_pack(const std::filesystem::path& path, const std::vector<std::st
   const auto data = real_data();
   if (!data) return false;
   BuildOptions options;
-  options.inputs = below(*data, dems);
+  options.mosaic.inputs = below(*data, dems);
   options.imagery.inputs = below(*data, images);
   options.imagery.bounds = GeoBounds{-180, -90, 180, 90};
   options.imagery.quality = TextureQuality::fast;
-  options.target = path;
-  options.tile_size = kTileSize;
-  const Result<BuildReport> baked = build(options, [](const Progress&) {});
+  options.session.target = path;
+  options.grid.tile_size = kTileSize;
+  const Result<BuildReport> baked = build(options, [](const Progress&) { return true; });
   if (!baked) FAIL(baked.error().message);
   return true;
 }

@@ -8,15 +8,15 @@ namespace cairn::test {
 
 BuildOptions bake_options(std::vector<std::filesystem::path> dems, const std::filesystem::path& target) {
   BuildOptions options;
-  options.inputs = std::move(dems);
-  options.target = target;
-  options.threads = 2;
-  options.force = true;
+  options.mosaic.inputs = std::move(dems);
+  options.session.target = target;
+  options.session.threads = 2;
+  options.session.force = true;
   return options;
 }
 
 void bake(const BuildOptions& options) {
-  const auto report = build(options, [](const Progress&) {});
+  const auto report = build(options, [](const Progress&) { return true; });
   INFO((report.ok() ? "" : report.error().message));
   REQUIRE(report.ok());
 }

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "builder/bake/journal.h"
-#include "cairn/build.h"
 #include "builder/heights/measure_pack.h"
 #include "builder/raster/raster_source.h"
+#include "cairn/build.h"
 #include "cairn/pack_reader.h"
 #include "cairn/pack_sampler.h"
 #include "format/pack_verify.h"
@@ -68,12 +68,12 @@ void bake_and_check(const std::vector<std::string>& names, std::int64_t step = 5
   const test::TempDir dir;
   const BuildOptions options = test::bake_options(files, dir.path() / "a.cairn");
   bake(options);
-  const auto verified = verify_pack(options.target, {2, 10});
+  const auto verified = verify_pack(options.session.target, {2, 10});
   REQUIRE(verified.ok());
   for (const Finding& f : verified->findings) UNSCOPED_INFO(f.where << ": " << f.what);
   CHECK(verified->ok());
 
-  const PackReader pack = open_pack(options.target);
+  const PackReader pack = open_pack(options.session.target);
   const double error_bound_m = error_bound_of(pack);
   const auto measured = measure_pack(pack, options);
   REQUIRE(measured.ok());
@@ -147,11 +147,11 @@ TEST_CASE("the same inputs give the same bytes, whatever the threads, the memory
       BuildOptions options = test::bake_options(
           {test::sample_dem() / "jacksboro_fault.tif", test::sample_dem() / "etopo5_thinned.tif"},
           dir.path() / "again.cairn");
-      options.threads = threads;
-      options.memory_bytes = mebibytes << 20;
+      options.session.threads = threads;
+      options.session.memory_bytes = mebibytes << 20;
       bake(options);
       INFO(threads << " threads, " << mebibytes << " MiB");
-      CHECK(test::read_bytes(options.target) == expected);
+      CHECK(test::read_bytes(options.session.target) == expected);
     }
   }
 }
@@ -160,38 +160,64 @@ TEST_CASE("a bake cut off after any unit goes on to the same bytes, and a damage
   const test::TempDir dir;
   const std::vector<fs::path> inputs{test::sample_dem() / "jacksboro_fault.tif"};
   BuildOptions options = test::bake_options(inputs, dir.path() / "whole.cairn");
-  options.tile_size = 257;
-  options.level = 5;  // more units than the sample would have
+  options.grid.tile_size = 257;
+  options.mosaic.level = 5;  // more units than the sample would have
   bake(options);
-  const auto expected = test::read_bytes(options.target);
+  const auto expected = test::read_bytes(options.session.target);
 
-  options.target = dir.path() / "cut.cairn";
-  options.resume = true;
-  const fs::path journal = Journal::path_for(options.target);
-  const fs::path part = fs::path(options.target).concat(".part");
-  struct Cut {};
+  options.session.target = dir.path() / "cut.cairn";
+  options.session.resume = true;
+  const fs::path journal = Journal::path_for(options.session.target);
+  const fs::path part = fs::path(options.session.target).concat(".part");
   for (const std::uint64_t cut_after : {1, 3, 7}) {
     std::uint64_t calls = 0;
-    try {  // the callback is the one place from where a test can stop a bake like a kill would
-      (void)build(options, [&](const Progress&) {
-        if (++calls == cut_after) throw Cut{};
-      });
-    } catch (const Cut&) {
-    }
+    const auto cancelled = build(options, [&](const Progress&) { return ++calls < cut_after; });
+    REQUIRE_FALSE(cancelled.ok());
+    CHECK(calls == cut_after);
     REQUIRE(fs::exists(journal));
     REQUIRE(fs::exists(part));
     CHECK_FALSE(PackReader::open(part).ok());
-    CHECK_FALSE(fs::exists(options.target));
+    CHECK_FALSE(fs::exists(options.session.target));
     auto bytes = test::read_bytes(journal);
     bytes.resize(bytes.size() - 7);  // the last record is not whole
     test::write_bytes(journal, bytes);
-    const auto report = build(options, [](const Progress&) {});
+    const auto report = build(options, [](const Progress&) { return true; });
     REQUIRE(report.ok());
     CHECK(report->resumed == (cut_after > 1));
-    CHECK(test::read_bytes(options.target) == expected);
+    CHECK(test::read_bytes(options.session.target) == expected);
     CHECK_FALSE(fs::exists(journal));
-    fs::remove(options.target);
+    fs::remove(options.session.target);
   }
+}
+
+TEST_CASE("a bake cancelled from its progress callback keeps its work without being asked to resume") {
+  const test::TempDir dir;
+  BuildOptions options =
+      test::bake_options({test::sample_dem() / "jacksboro_fault.tif"}, dir.path() / "whole.cairn");
+  options.grid.tile_size = 257;
+  options.mosaic.level = 5;
+  bake(options);
+  const auto expected = test::read_bytes(options.session.target);
+
+  options.session.target = dir.path() / "cut.cairn";
+  std::uint64_t done = 0;
+  const auto cancelled = build(options, [&](const Progress& p) {
+    done = p.done;
+    return false;
+  });
+  REQUIRE_FALSE(cancelled.ok());
+  CHECK(cancelled.error().code == ErrorCode::failed);
+  CHECK(remedies_for(cancelled.error(), options) == std::vector{Remedy::resume});
+  CHECK_THAT(cancelled.error().message, Catch::Contains("heights after " + std::to_string(done) + " of "));
+  CHECK(fs::exists(Journal::path_for(options.session.target)));
+  CHECK_FALSE(fs::exists(options.session.target));
+
+  options.session.resume = true;
+  const auto report = build(options, [](const Progress&) { return true; });
+  REQUIRE(report.ok());
+  CHECK(report->resumed);
+  CHECK(test::read_bytes(options.session.target) == expected);
+  CHECK_FALSE(fs::exists(Journal::path_for(options.session.target)));
 }
 
 TEST_CASE("voids are filled without a cliff, or kept as holes, as asked") {
@@ -200,7 +226,7 @@ TEST_CASE("voids are filled without a cliff, or kept as holes, as asked") {
   const test::TempDir dir;
   BuildOptions options = test::bake_options({*data / "geotiff/N46E008.tif"}, dir.path() / "a.cairn");
   bake(options);
-  const auto raster = open_raster(options.inputs.front(), {});
+  const auto raster = open_raster(options.mosaic.inputs.front(), {});
   REQUIRE(raster.ok());
   const RasterInfo& info = (*raster)->info();
   std::vector<float> posts(static_cast<std::size_t>(info.columns * info.rows));
@@ -219,7 +245,7 @@ TEST_CASE("voids are filled without a cliff, or kept as holes, as asked") {
   }
   REQUIRE(voids.size() > 100);
   {
-    const PackReader pack = open_pack(options.target);
+    const PackReader pack = open_pack(options.session.target);
     PackSampler sampler(pack);
     for (const LonLat& place : voids) {
       const auto height = sampler.height_at(place);
@@ -227,16 +253,16 @@ TEST_CASE("voids are filled without a cliff, or kept as holes, as asked") {
       CHECK(((*height)->metres > 150 && (*height)->metres < 4700));  // the range of the cell's own posts
     }
   }
-  options.voids = VoidMode::keep;
+  options.heights.voids = VoidMode::keep;
   bake(options);
-  const PackReader pack = open_pack(options.target);
+  const PackReader pack = open_pack(options.session.target);
   PackSampler sampler(pack);
   for (const LonLat& place : voids) {
     const auto height = sampler.height_at(place);
     REQUIRE(height.ok());
     CHECK_FALSE(height->has_value());
   }
-  CHECK(verify_pack(options.target)->ok());
+  CHECK(verify_pack(options.session.target)->ok());
 }
 
 TEST_CASE("open sea stops early: no fine tiles, and its parent's surface is the sea") {
@@ -245,7 +271,7 @@ TEST_CASE("open sea stops early: no fine tiles, and its parent's surface is the 
   const test::TempDir dir;
   const BuildOptions options = test::bake_options({*data / "srtm3/N00W177.hgt"}, dir.path() / "a.cairn");
   bake(options);
-  const PackReader pack = open_pack(options.target);
+  const PackReader pack = open_pack(options.session.target);
   std::size_t fine = 0;
   for (std::size_t i = 0; i < pack.entry_count(); ++i) fine += pack.entry(i).id.level == 2 ? 1 : 0;
   CHECK(fine > 0);
@@ -261,15 +287,15 @@ TEST_CASE("levels coarser than a cell share their edges where the sources end on
                           *data / "dted1/n19_w156_3arc_v2.dt1", *data / "dted1/n19_w157_3arc_v2.dt1",
                           *data / "dted1/n20_w156_3arc_v2.dt1"},
                          dir.path() / "a.cairn");
-  options.top = kMinLevel;
+  options.grid.top = kMinLevel;
   for (const int tile_size : {257, 513}) {
-    options.tile_size = tile_size;
+    options.grid.tile_size = tile_size;
     bake(options);
-    const auto verified = verify_pack(options.target, {2, 10});
+    const auto verified = verify_pack(options.session.target, {2, 10});
     REQUIRE(verified.ok());
     for (const Finding& f : verified->findings) UNSCOPED_INFO(f.where << ": " << f.what);
     CHECK(verified->ok());
-    const PackReader pack = open_pack(options.target);
+    const PackReader pack = open_pack(options.session.target);
     CHECK(pack.find(Layer::heights, {kMinLevel, 0, 0}).has_value());
     const auto accuracy = nlohmann::json::parse(pack.metadata_json()).at("accuracy");
     CHECK(accuracy.at("posts").get<std::uint64_t>() == 5u * 1201 * 1201 - 4u * 1201);  // shared edges once
@@ -282,8 +308,8 @@ TEST_CASE("a geoid moves every post by its undulation") {
   const test::TempDir dir;
   BuildOptions options = test::bake_options({*data / "srtm3/N44W072.hgt"}, dir.path() / "a.cairn");
   bake(options);
-  options.target = dir.path() / "b.cairn";
-  options.geoid = *data / "geoid/us_nga_egm96_15.tif";
+  options.session.target = dir.path() / "b.cairn";
+  options.mosaic.geoid = *data / "geoid/us_nga_egm96_15.tif";
   bake(options);
   const PackReader orthometric = open_pack(dir.path() / "a.cairn");
   const PackReader ellipsoidal = open_pack(dir.path() / "b.cairn");
@@ -291,7 +317,7 @@ TEST_CASE("a geoid moves every post by its undulation") {
   PackSampler a(orthometric);
   PackSampler b(ellipsoidal);
   // A post of the geoid's own grid: EGM96 at 44.25°N 71.75°W, as the raster has it.
-  const auto geoid = open_raster(*options.geoid, {});
+  const auto geoid = open_raster(*options.mosaic.geoid, {});
   const auto post = (*geoid)->info().georeference.post_at({-71.75, 44.25});
   float undulation = 0;
   const PostWindow window{std::llround(post.column), std::llround(post.row), 1, 1};
@@ -301,20 +327,24 @@ TEST_CASE("a geoid moves every post by its undulation") {
   CHECK(std::abs(undulation) > 10);
 }
 
-TEST_CASE("an exceeded error bound fails the bake and names the place; --allow-error makes it a warning") {
+TEST_CASE("an exceeded error bound fails the bake, names the place and keeps the work for accepting it") {
   const test::TempDir dir;
   BuildOptions options =
       test::bake_options({test::sample_dem() / "jacksboro_fault.tif"}, dir.path() / "a.cairn");
-  options.resampling = ResampleMethod::bilinear;
-  const auto refused = build(options, [](const Progress&) {});
+  options.mosaic.resampling = ResampleMethod::bilinear;
+  const auto refused = build(options, [](const Progress&) { return true; });
   REQUIRE_FALSE(refused.ok());
   CHECK(refused.error().code == ErrorCode::failed);
   CHECK_THAT(refused.error().message, Catch::Contains("lon -84") && Catch::Contains("lat 36"));
-  CHECK(fs::is_empty(dir.path()));
-  options.allow_error = true;
-  const auto warned = build(options, [](const Progress&) {});
+  CHECK(remedies_for(refused.error(), options) == std::vector{Remedy::accept_error, Remedy::resume});
+  CHECK_FALSE(fs::exists(options.session.target));
+  options.heights.allow_error = true;
+  options.session.resume = true;
+  const auto warned = build(options, [](const Progress&) { return true; });
   REQUIRE(warned.ok());
+  CHECK(warned->resumed);
   CHECK_FALSE(warned->within_error_bound);
+  CHECK_THAT(warned->warning, Catch::Contains("lon -84"));
 }
 
 }  // namespace cairn

@@ -10,10 +10,10 @@
 #include <png.h>
 
 #include "builder/bake/journal.h"
-#include "cairn/build.h"
 #include "builder/export/texture_file.h"
 #include "builder/imagery/texture_tile_encode.h"
 #include "builder/raster/raster_source.h"
+#include "cairn/build.h"
 #include "format/pack_verify.h"
 #include "tests/support/gdal_oracle.h"
 #include "tests/support/test_bake.h"
@@ -127,7 +127,7 @@ TEST_CASE("tiles of real images meet without a seam, at every level and mip") {
   BuildOptions options = options_for({*data / "imagery" / name}, dir.path() / "a.cairn");
   options.imagery.bounds = GeoBounds{-180, -90, 180, 90};
   bake(options);
-  test::TexturePack pack(options.target);
+  test::TexturePack pack(options.session.target);
   const auto levels = *pack.pack().levels(Layer::imagery);
   constexpr std::size_t kEnough = 64;  // pairs of texels that make a mean: a coarse level has few
   for (int mip = 0; pack.size() >> mip > 1; ++mip) {
@@ -150,36 +150,30 @@ TEST_CASE("the same images give the same bytes, whatever the threads, the memory
   const test::TempDir dir;
   const fs::path image = *data / "imagery/swellendam_3420B_2010_328_RGB_LATLNG.tif";
   BuildOptions options = options_for({image}, dir.path() / "whole.cairn");
-  options.tile_size = 257;
+  options.grid.tile_size = 257;
   options.imagery.quality = TextureQuality::fast;
   bake(options);
-  const auto expected = test::read_bytes(options.target);
-  const auto verified = verify_pack(options.target, {});
+  const auto expected = test::read_bytes(options.session.target);
+  const auto verified = verify_pack(options.session.target, {});
   REQUIRE(verified.ok());
   CHECK(verified->findings.empty());
 
-  options.target = dir.path() / "again.cairn";
-  options.threads = 1;
-  options.memory_bytes = 100u << 20;
+  options.session.target = dir.path() / "again.cairn";
+  options.session.threads = 1;
+  options.session.memory_bytes = 100u << 20;
   bake(options);
-  CHECK(test::read_bytes(options.target) == expected);
-  fs::remove(options.target);
+  CHECK(test::read_bytes(options.session.target) == expected);
+  fs::remove(options.session.target);
 
-  options.resume = true;
-  options.threads = 2;
-  struct Cut {};
+  options.session.resume = true;
+  options.session.threads = 2;
   int calls = 0;
-  try {
-    (void)build(options, [&](const Progress&) {
-      if (++calls == 3) throw Cut{};
-    });
-  } catch (const Cut&) {
-  }
-  REQUIRE_FALSE(fs::exists(options.target));
-  const auto report = build(options, [](const Progress&) {});
+  CHECK_FALSE(build(options, [&](const Progress&) { return ++calls < 3; }).ok());
+  REQUIRE_FALSE(fs::exists(options.session.target));
+  const auto report = build(options, [](const Progress&) { return true; });
   REQUIRE(report.ok());
   CHECK(report->resumed);
-  CHECK(test::read_bytes(options.target) == expected);
+  CHECK(test::read_bytes(options.session.target) == expected);
 }
 
 TEST_CASE(
@@ -203,9 +197,9 @@ TEST_CASE(
   if (!georeferenced("red", 256, red, "10.1 49.9 10.2 49.8")) return;
   BuildOptions options =
       options_for({dir.path() / "blue.tif", dir.path() / "red.tif"}, dir.path() / "a.cairn");
-  options.tile_size = 257;
+  options.grid.tile_size = 257;
   bake(options);
-  test::TexturePack pack(options.target);
+  test::TexturePack pack(options.session.target);
   const auto near_colour = [&](LonLat place, int r, int b) {
     const auto c = pack.colour(place);
     REQUIRE(c.has_value());
@@ -229,7 +223,8 @@ TEST_CASE("images that cannot be baked are errors that name the file") {
   write_png(dir.path() / "plain.png", 300, 300, grey);
   const std::string png = (dir.path() / "plain.png").string(), tiff = (dir.path() / "bad.tif").string();
   const auto refused = [&](const fs::path& path) {
-    const auto report = build(options_for({path}, dir.path() / "a.cairn"), [](const Progress&) {});
+    const auto report =
+        build(options_for({path}, dir.path() / "a.cairn"), [](const Progress&) { return true; });
     REQUIRE_FALSE(report.ok());
     CHECK(report.error().message.find(path.filename().string()) != std::string::npos);
     CHECK_FALSE(fs::exists(dir.path() / "a.cairn"));

@@ -12,10 +12,10 @@
 #include <glm/vec2.hpp>
 
 #include "cairn/build.h"
+#include "cairn/geodesy.h"
 #include "format/rqt_block.h"
 #include "format/rqt_triangulate.h"
 #include "runtime/lab/lab_terrain.h"
-#include "cairn/geodesy.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"
 
@@ -32,12 +32,12 @@ std::shared_ptr<const PackReader> open_pack(const fs::path& path) {
 
 std::shared_ptr<const PackReader> bake(const fs::path& input, const fs::path& target, float rqt_m) {
   BuildOptions options;
-  options.inputs = {input};
-  options.target = target;
-  options.threads = 2;
-  options.rqt_tolerance_m = rqt_m;
-  options.top = -3;
-  const auto report = build(options, [](const Progress&) {});
+  options.mosaic.inputs = {input};
+  options.session.target = target;
+  options.session.threads = 2;
+  options.heights.rqt_tolerance_m = rqt_m;
+  options.grid.top = -3;
+  const auto report = build(options, [](const Progress&) { return true; });
   INFO((report.ok() ? "" : report.error().message));
   REQUIRE(report.ok());
   return open_pack(target);

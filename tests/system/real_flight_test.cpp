@@ -31,12 +31,13 @@ constexpr LonLat kHome{-155.5, 19.6};  // Hawaii
 std::shared_ptr<const PackReader> bake_hawaii(const std::filesystem::path& data,
                                               const std::filesystem::path& target) {
   BuildOptions options;
-  for (const auto& file : std::filesystem::directory_iterator(data / "dted1")) options.inputs.push_back(file);
-  std::sort(options.inputs.begin(), options.inputs.end());
-  options.target = target;
-  options.tile_size = 257;
-  options.top = kMinLevel;
-  const auto report = build(options, [](const Progress&) {});
+  for (const auto& file : std::filesystem::directory_iterator(data / "dted1"))
+    options.mosaic.inputs.push_back(file);
+  std::sort(options.mosaic.inputs.begin(), options.mosaic.inputs.end());
+  options.session.target = target;
+  options.grid.tile_size = 257;
+  options.grid.top = kMinLevel;
+  const auto report = build(options, [](const Progress&) { return true; });
   if (!report) FAIL(report.error().message);
   auto pack = PackReader::open(target);
   REQUIRE(pack.ok());

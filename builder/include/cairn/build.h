@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -11,26 +10,10 @@
 
 namespace cairn {
 
-/// What a bake will do, before any post is read.
-struct DryRun {
-  int tile_size = 0;
-  int top = 0;
-  int finest = 0;
-  double error_bound_m = 0;
-  double quantum_m = 0;
-  GeoBounds bounds;
-  std::map<int, std::uint64_t> tiles;          ///< by level, before pruning leaves any out
-  std::map<int, std::uint64_t> texture_tiles;  ///< of the imagery layer, likewise
-  std::uint64_t samples = 0;                   ///< of the finest tiles of heights
-  std::uint64_t estimated_bytes = 0;           ///< of the pack, from a few tiles baked on trial
-  double estimated_seconds = 0;                ///< likewise
-  std::uint64_t memory_bytes = 0;              ///< what the bake will hold at most
-};
-
 /// What a bake did.
 struct BuildReport {
   std::string metadata_json;       ///< as it is in the pack
-  bool within_error_bound = true;  ///< false only with BuildOptions::allow_error
+  bool within_error_bound = true;  ///< false only with HeightOptions::allow_error
   std::string warning;             ///< empty where all is well
   std::uint64_t samples = 0;       ///< of the finest tiles of heights
   std::uint64_t texels = 0;        ///< of the finest tiles of imagery
@@ -40,14 +23,27 @@ struct BuildReport {
   bool resumed = false;
 };
 
+/// What the caller of a bake that failed can change so that the next one succeeds. The library names no
+/// option of a program: the program puts its own words to these.
+enum class Remedy {
+  replace_target,  ///< SessionOptions::force
+  accept_error,    ///< HeightOptions::allow_error
+  resume,          ///< SessionOptions::resume: the units that are done are kept beside the target
+  discard_work,    ///< SessionOptions::force: the work beside the target is given up
+};
+
 /// START HERE: from DEMs and images to a verified pack, in numbered steps.
 ///
 /// The same inputs and options give the same bytes, whatever the threads and the memory, also after an
-/// interruption that `options.resume` goes on from. The target appears when it is whole and its accuracy is
-/// measured, or not at all.
+/// interruption that `options.session.resume` goes on from. The target appears when it is whole and its
+/// accuracy is measured, or not at all.
+///
+/// Where `progress` returns false, the bake ends with an error after the units under way. After that and
+/// after other errors of the machine (a full disk, an exceeded error bound), the units that are done stay
+/// beside the target: remedies_for() then includes Remedy::resume.
 Result<BuildReport> build(const BuildOptions& options, const ProgressCallback& progress);
 
-/// Steps 1 and 2 of build(), and a trial of a few tiles.
-Result<DryRun> dry_run(const BuildOptions& options);
+/// The remedies for an error that build() returned for these options, in the order in which they are tried.
+std::vector<Remedy> remedies_for(const Error& error, const BuildOptions& options);
 
 }  // namespace cairn

@@ -23,7 +23,7 @@ using test::bake;
 
 BuildOptions options_for(const std::vector<fs::path>& inputs, const fs::path& target, float rqt_m) {
   BuildOptions options = test::bake_options(inputs, target);
-  options.rqt_tolerance_m = rqt_m;
+  options.heights.rqt_tolerance_m = rqt_m;
   return options;
 }
 
@@ -66,13 +66,13 @@ TEST_CASE("every height tile gets triangulations that verify, equal on the edges
   const test::TempDir dir;
   for (const auto& input : inputs) {
     BuildOptions options = options_for(input, dir.path() / "a.cairn", 4);
-    options.voids = VoidMode::keep;
+    options.heights.voids = VoidMode::keep;
     bake(options);
-    const auto verified = verify_pack(options.target, {2, 10});
+    const auto verified = verify_pack(options.session.target, {2, 10});
     REQUIRE(verified.ok());
     for (const Finding& f : verified->findings) UNSCOPED_INFO(f.where << ": " << f.what);
     CHECK(verified->ok());
-    const auto pack = PackReader::open(options.target);
+    const auto pack = PackReader::open(options.session.target);
     REQUIRE(pack.ok());
     const auto all = triangulations_of(*pack);
     std::size_t heights = 0;
@@ -94,7 +94,7 @@ TEST_CASE("triangulations of the whole Earth verify, overhanging tiles included"
   const BuildOptions options =
       options_for({test::sample_dem() / "etopo5_thinned.tif"}, dir.path() / "a.cairn", 50);
   bake(options);
-  const auto verified = verify_pack(options.target, {2, 10});
+  const auto verified = verify_pack(options.session.target, {2, 10});
   REQUIRE(verified.ok());
   for (const Finding& f : verified->findings) UNSCOPED_INFO(f.where << ": " << f.what);
   CHECK(verified->ok());
@@ -105,7 +105,7 @@ TEST_CASE("verify finds triangulations that are not those of the heights") {
   const BuildOptions options =
       options_for({test::sample_dem() / "jacksboro_fault.tif"}, dir.path() / "a.cairn", 2);
   bake(options);
-  const auto pack = PackReader::open(options.target);
+  const auto pack = PackReader::open(options.session.target);
   REQUIRE(pack.ok());
   const TileId victim = triangulations_of(*pack).rbegin()->first;
   const fs::path damaged = dir.path() / "b.cairn";
@@ -135,33 +135,26 @@ TEST_CASE("a bake cut off among the triangulations goes on to the same bytes, wh
   const test::TempDir dir;
   BuildOptions options =
       options_for({test::sample_dem() / "jacksboro_fault.tif"}, dir.path() / "whole.cairn", 1);
-  options.tile_size = 257;
-  options.level = 5;
+  options.grid.tile_size = 257;
+  options.mosaic.level = 5;
   bake(options);
-  const auto expected = test::read_bytes(options.target);
-  options.threads = 1;
-  options.target = dir.path() / "cut.cairn";
+  const auto expected = test::read_bytes(options.session.target);
+  options.session.threads = 1;
+  options.session.target = dir.path() / "cut.cairn";
   bake(options);
-  CHECK(test::read_bytes(options.target) == expected);
-  options.resume = true;
-  struct Cut {};
+  CHECK(test::read_bytes(options.session.target) == expected);
+  options.session.resume = true;
   for (const int cut_after : {1, 2, 4}) {
-    fs::remove(options.target);
+    fs::remove(options.session.target);
     int calls = 0;
-    bool cut = false;
-    try {  // the callback is the one place from where a test can stop a bake like a kill would
-      (void)build(options, [&](const Progress& p) {
-        if (p.stage == "rqt" && ++calls == cut_after) throw Cut{};
-      });
-    } catch (const Cut&) {
-      cut = true;
-    }
-    CHECK(cut);
-    CHECK(fs::exists(Journal::path_for(options.target)));
-    const auto report = build(options, [](const Progress&) {});
+    CHECK_FALSE(
+        build(options, [&](const Progress& p) { return p.stage != "rqt" || ++calls < cut_after; }).ok());
+    CHECK(calls == cut_after);
+    CHECK(fs::exists(Journal::path_for(options.session.target)));
+    const auto report = build(options, [](const Progress&) { return true; });
     REQUIRE(report.ok());
     CHECK(report->resumed);
-    CHECK(test::read_bytes(options.target) == expected);
+    CHECK(test::read_bytes(options.session.target) == expected);
   }
 }
 

@@ -67,17 +67,17 @@ TEST_CASE("a coarser raster shows in the voids of a finer one, without a cliff a
   test::write_bytes(dir.path() / "N10E020.hgt", test::hgt_bytes(1201, fine_height));
   test::write_tiff(dir.path() / "coarse.tif", coarse_raster());
   BuildOptions options;
-  options.inputs = {dir.path() / "coarse.tif", dir.path() / "N10E020.hgt"};
-  options.target = dir.path() / "a.cairn";
-  options.force = true;
-  options.threads = 2;
+  options.mosaic.inputs = {dir.path() / "coarse.tif", dir.path() / "N10E020.hgt"};
+  options.session.target = dir.path() / "a.cairn";
+  options.session.force = true;
+  options.session.threads = 2;
   for (const VoidMode voids : {VoidMode::fill, VoidMode::keep}) {
-    options.voids = voids;
-    const auto report = build(options, [](const Progress&) {});
+    options.heights.voids = voids;
+    const auto report = build(options, [](const Progress&) { return true; });
     INFO((report.ok() ? "" : report.error().message));
     REQUIRE(report.ok());
-    CHECK(verify_pack(options.target)->ok());
-    auto pack = PackReader::open(options.target);
+    CHECK(verify_pack(options.session.target)->ok());
+    auto pack = PackReader::open(options.session.target);
     REQUIRE(pack.ok());
     PackSampler sampler(*pack, 64);
 

@@ -6,8 +6,8 @@
 #include <OpenImageIO/imageio.h>
 #include <catch2/catch.hpp>
 
-#include "cairn/build.h"
 #include "builder/export/texture_file.h"
+#include "cairn/build.h"
 #include "tests/support/dem_files.h"
 #include "tests/support/gdal_oracle.h"
 #include "tests/support/test_data.h"
@@ -30,11 +30,11 @@ Result<BuildReport> bake(const std::vector<fs::path>& images, const fs::path& ta
   options.imagery.inputs = images;
   options.imagery.bounds = bounds;
   options.imagery.format = TextureFormat::bc7;
-  options.target = target;
-  options.tile_size = 257;
-  options.threads = 2;
-  options.force = true;
-  return build(options, [](const Progress&) {});
+  options.session.target = target;
+  options.grid.tile_size = 257;
+  options.session.threads = 2;
+  options.session.force = true;
+  return build(options, [](const Progress&) { return true; });
 }
 
 // Bands of a picture of four quarters: red, green, blue and grey.

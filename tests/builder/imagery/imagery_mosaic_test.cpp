@@ -5,8 +5,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "cairn/build.h"
 #include "builder/export/texture_file.h"
+#include "cairn/build.h"
 #include "cairn/texture_tile.h"
 #include "tests/support/dem_files.h"
 #include "tests/support/test_data.h"
@@ -44,14 +44,14 @@ fs::path bake(const TempDir& dir, const std::vector<fs::path>& images, double fe
   BuildOptions options;
   options.imagery.inputs = images;
   options.imagery.feather_pixels = feather;
-  options.target = dir.path() / "a.cairn";
-  options.tile_size = 257;
-  options.threads = 2;
-  options.force = true;
-  const auto report = build(options, [](const Progress&) {});
+  options.session.target = dir.path() / "a.cairn";
+  options.grid.tile_size = 257;
+  options.session.threads = 2;
+  options.session.force = true;
+  const auto report = build(options, [](const Progress&) { return true; });
   INFO((report.ok() ? "" : report.error().message));
   REQUIRE(report.ok());
-  return options.target;
+  return options.session.target;
 }
 
 std::size_t tiles_of_format(test::TexturePack& pack, int level, TextureFormat format) {

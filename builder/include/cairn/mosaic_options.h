@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "cairn/bake_choices.h"
+#include "cairn/pack_layout.h"
+
+namespace cairn {
+
+/// How DEMs become one surface.
+struct MosaicOptions {
+  /// DEMs in the order of the command line, folders and globs expanded. None: the pack has no heights.
+  std::vector<std::filesystem::path> inputs;
+  std::optional<int> level;  ///< the finest level; by default what the finest source needs
+  /// The error bound E in metres; by default 0.5 for whole-metre sources, 0.05 for others.
+  std::optional<double> max_error_m;
+  ResampleMethod resampling = ResampleMethod::exact;
+  VerticalDatum datum = VerticalDatum::unknown;  ///< of the sources; with a geoid the pack's is the ellipsoid
+  std::optional<std::filesystem::path> geoid;    ///< undulations in metres, added to every post
+};
+
+}  // namespace cairn
