@@ -1,0 +1,135 @@
+// The journal of a bake: round trips, and what is left of it after every cut and every flipped byte.
+
+#include "builder/bake/journal.h"
+
+#include <filesystem>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "tests/support/test_data.h"
+#include "tests/support/test_pack.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kPrint = 0x0123456789abcdef;
+
+UnitRecord record_of(int number) {
+  UnitRecord record;
+  for (int i = 0; i <= number; ++i) {
+    IndexEntry entry;
+    entry.id = {2, 10 * number + i, 7};
+    entry.offset = 96 + static_cast<std::uint64_t>(100 * number + i);
+    entry.bytes = 1;
+    entry.min_quanta = -number;
+    entry.max_quanta = number;
+    record.entries.push_back(entry);
+  }
+  for (int i = 0; i < 20 * number; ++i) record.root.push_back(static_cast<std::byte>(i * number));
+  return record;
+}
+
+void write_journal(const fs::path& target, int records) {
+  auto journal = Journal::create(target);
+  REQUIRE(journal.ok());
+  CHECK(journal->is_empty());
+  for (int r = 0; r < records; ++r) REQUIRE(journal->append(record_of(r)).ok());
+  REQUIRE(journal->identify(kPrint).ok());
+}
+
+bool equal(const UnitRecord& record, int number) {
+  const UnitRecord expected = record_of(number);
+  if (record.entries.size() != expected.entries.size()) return false;
+  for (std::size_t i = 0; i < record.entries.size(); ++i) {
+    std::vector<std::byte> a, b;
+    append_entry(record.entries[i], a);
+    append_entry(expected.entries[i], b);
+    if (a != b) return false;
+  }
+  return true;
+}
+
+// How many records are read, each of which has to be the one that was written.
+std::size_t count_read(const fs::path& target) {
+  const auto records = Journal::read(target, kPrint);
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    if (!equal(records[r], static_cast<int>(r))) return 1000;
+  }
+  return records.size();
+}
+
+}  // namespace
+
+TEST_CASE("a journal gives back its records and their roots, and goes on after the last of those kept") {
+  const test::TempDir dir;
+  const fs::path target = dir.path() / "a.cairn";
+  write_journal(target, 4);
+  CHECK(count_read(target) == 4);
+  CHECK(Journal::read(target, kPrint + 1).empty());
+  CHECK(Journal::read(dir.path() / "b.cairn", kPrint).empty());
+
+  auto records = Journal::read(target, kPrint);
+  records.resize(2);
+  auto journal = Journal::reopen(target, records);
+  REQUIRE(journal.ok());
+  CHECK_FALSE(journal->is_empty());
+  CHECK(count_read(target) == 2);
+  REQUIRE(journal->append(record_of(2)).ok());
+  records = Journal::read(target, kPrint);
+  REQUIRE(records.size() == 3);
+  for (int r = 0; r < 3; ++r) {
+    const auto root = journal->read_root(records[static_cast<std::size_t>(r)]);
+    REQUIRE(root.ok());
+    CHECK(*root == record_of(r).root);
+  }
+}
+
+TEST_CASE("a journal that was never identified is nobody's") {
+  const test::TempDir dir;
+  const fs::path target = dir.path() / "a.cairn";
+  auto journal = Journal::create(target);
+  REQUIRE(journal.ok());
+  REQUIRE(journal->append(record_of(1)).ok());
+  CHECK_FALSE(journal->is_empty());
+  CHECK(Journal::read(target, kPrint).empty());
+  CHECK(Journal::read(target, 0).empty());
+}
+
+TEST_CASE("a journal cut anywhere gives the records before the cut") {
+  const test::TempDir dir;
+  const fs::path target = dir.path() / "a.cairn";
+  write_journal(target, 4);
+  std::vector<std::uint64_t> ends{0};
+  for (const UnitRecord& record : Journal::read(target, kPrint)) ends.push_back(record.end);
+  const auto bytes = test::read_bytes(Journal::path_for(target));
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    test::write_bytes(Journal::path_for(target),
+                      {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
+    std::size_t whole = 0;
+    while (whole + 1 < ends.size() && ends[whole + 1] <= size) ++whole;
+    if (count_read(target) != whole) FAIL("cut at byte " << size);
+  }
+}
+
+TEST_CASE("a flipped byte of a journal costs its record and those after it, and never changes one") {
+  const test::TempDir dir;
+  const fs::path target = dir.path() / "a.cairn";
+  write_journal(target, 3);
+  const auto records = Journal::read(target, kPrint);
+  const auto bytes = test::read_bytes(Journal::path_for(target));
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    for (const int flip : {0x01, 0x80, 0xff}) {
+      auto damaged = bytes;
+      damaged[at] ^= static_cast<std::byte>(flip);
+      test::write_bytes(Journal::path_for(target), damaged);
+      std::size_t before = 0;
+      while (before < records.size() && records[before].end <= at) ++before;
+      if (count_read(target) != before) FAIL("byte " << at << " flipped by " << flip);
+    }
+  }
+}
+
+}  // namespace cairn
