@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/patches.h"
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/lod/mesh/tile_culling.h"

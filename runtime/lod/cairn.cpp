@@ -36,7 +36,7 @@
 #include <memory>
 #include <optional>
 
-#include "cairn/geodesy.h"
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/prepared_tiles.h"
@@ -48,6 +48,7 @@
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/triangle_error.h"
 #include "runtime/lod/mesh/vertex_decimation.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {

@@ -1,5 +1,6 @@
 // [4, §3.1]: every sample of every tile; one strip a tile with degenerate triangles, [0, §2, Table 1].
 
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/index_forms.h"
 #include "runtime/lod/mesh/remove_t_junctions.h"

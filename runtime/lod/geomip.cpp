@@ -13,6 +13,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/patches.h"
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/lod/mesh/tile_culling.h"

@@ -25,7 +25,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "cairn/geodesy.h"
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/remove_t_junctions.h"
@@ -33,6 +33,7 @@
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_numbers.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {

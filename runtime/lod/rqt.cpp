@@ -21,9 +21,9 @@
 #include <numbers>
 #include <unordered_map>
 
-#include "cairn/geodesy.h"
 #include "format/rqt_block.h"
 #include "format/rqt_triangulate.h"
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/patches.h"
@@ -32,6 +32,7 @@
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_errors.h"
+#include "cairn/geodesy.h"
 #include "runtime/view/view_frustum.h"
 
 namespace cairn {

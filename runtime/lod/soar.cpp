@@ -22,8 +22,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "cairn/geodesy.h"
 #include "format/rqt_steps.h"
+#include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/grid_positions.h"
@@ -35,6 +35,7 @@
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_errors.h"
 #include "runtime/lod/mesh/vertex_numbers.h"
+#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {
