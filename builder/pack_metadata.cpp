@@ -43,12 +43,17 @@ Json levels_of(const std::vector<IndexEntry>& entries) {
 }
 
 Json source_of(const RasterInfo& info, std::uint64_t hash) {
-  return {{"name", info.path.filename().string()},
-          {"format", info.format},
-          {"columns", info.columns},
-          {"rows", info.rows},
-          {"bounds", json_of(info.bounds)},
-          {"xxh3", fmt::format("{:016x}", hash)}};
+  Json source{{"name", info.path.filename().string()},
+              {"format", info.format},
+              {"columns", info.columns},
+              {"rows", info.rows},
+              {"bounds", json_of(info.bounds)},
+              {"xxh3", fmt::format("{:016x}", hash)}};
+  if (const auto& transform = info.georeference.transform) {
+    source["crs"] = transform->name();
+    source["operation"] = transform->operation();
+  }
+  return source;
 }
 
 // `hashes` are those of all inputs, the DEMs' first.

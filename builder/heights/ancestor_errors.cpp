@@ -178,6 +178,7 @@ struct AncestorErrors::Search {
       }
     }
     if (!posts_count) return;
+    look_at_placed_posts(surface, column, row);
     for (const LatticePosts& lattice : errors.lattices_) {
       const auto c = static_cast<std::size_t>(column), r = static_cast<std::size_t>(row);
       const MeasuredPosts& posts = *lattice.posts;
@@ -191,13 +192,43 @@ struct AncestorErrors::Search {
       }
     }
   }
+
+  void look_at_placed_posts(const Bilinear& surface, int column, int row) {
+    const int groups = (errors.tile_.size - 1) / 2;
+    const auto group =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(groups) + static_cast<std::size_t>(column);
+    for (const PlacedPosts& placed : errors.placed_) {
+      for (std::size_t i = placed.first[group]; i < placed.first[group + 1]; ++i) {
+        const MeasuredPosts::Placed& post = placed.posts->placed[placed.order[i]];
+        const double error =
+            std::abs(surface.at(post.x, post.y) * errors.quantum_m_ - static_cast<double>(post.height)) /
+            errors.quantum_m_;
+        if (error > most) most = error;
+      }
+    }
+  }
 };
 
-bool AncestorErrors::can_measure(const HeightTile& tile, std::span<const MeasuredPosts> posts) {
+AncestorErrors::PlacedPosts AncestorErrors::by_group(const MeasuredPosts& posts, int groups) {
+  PlacedPosts sorted{&posts, {}, {}};
+  const auto group_of = [groups](const MeasuredPosts::Placed& p) {
+    return static_cast<std::size_t>(PostErrors::group_of(p.y, groups)) * static_cast<std::size_t>(groups) +
+           static_cast<std::size_t>(PostErrors::group_of(p.x, groups));
+  };
+  sorted.first.assign(static_cast<std::size_t>(groups) * static_cast<std::size_t>(groups) + 1, 0);
+  for (const auto& p : posts.placed) ++sorted.first[group_of(p) + 1];
+  for (std::size_t g = 1; g < sorted.first.size(); ++g) sorted.first[g] += sorted.first[g - 1];
+  std::vector<std::uint32_t> next(sorted.first.begin(), sorted.first.end() - 1);
+  sorted.order.resize(posts.placed.size());
+  for (std::size_t i = 0; i < posts.placed.size(); ++i)
+    sorted.order[next[group_of(posts.placed[i])]++] = static_cast<std::uint32_t>(i);
+  return sorted;
+}
+
+bool AncestorErrors::can_measure(const HeightTile& tile) {
   if (!tile.voids.empty()) return false;
   const HeightRange range = range_of(tile);
-  return range.lowest >= -kLargest && range.highest <= kLargest &&
-         std::all_of(posts.begin(), posts.end(), [](const auto& p) { return p.placed.empty(); });
+  return range.lowest >= -kLargest && range.highest <= kLargest;
 }
 
 AncestorErrors::AncestorErrors(const HeightTile& tile, double quantum_m, std::span<const MeasuredPosts> posts,
@@ -227,8 +258,10 @@ AncestorErrors::AncestorErrors(const HeightTile& tile, double quantum_m, std::sp
     decimated = every_second(samples);
     samples = {cells + 1, decimated.data()};
   }
-  for (const MeasuredPosts& p : posts)
+  for (const MeasuredPosts& p : posts) {
     lattices_.push_back({&p, firsts_by_group(p.xs, groups), firsts_by_group(p.ys, groups)});
+    if (!p.placed.empty()) placed_.push_back(by_group(p, groups));
+  }
 }
 
 double AncestorErrors::max_m(int up) const {

@@ -17,8 +17,7 @@ namespace cairn {
 /// bilinear, they differ most at a corner; so nothing in the cell is farther from the coarser surface than it
 /// can be from the finer one, plus the largest difference at the corners.
 ///
-/// REQUIRES: no sample of the tile is void, all are within ±2^24 quanta, none of the posts is `placed`. Tile
-/// and posts must outlive this.
+/// REQUIRES: no sample of the tile is void, all are within ±2^24 quanta. Tile and posts must outlive this.
 class AncestorErrors {
  public:
   /// `own`: of the posts, measured against the tile itself.
@@ -26,7 +25,7 @@ class AncestorErrors {
                  const PostErrors& own);
 
   /// Whether a tile fulfils what is required of it.
-  static bool can_measure(const HeightTile& tile, std::span<const MeasuredPosts> posts);
+  static bool can_measure(const HeightTile& tile);
 
   /// The largest distance from posts and samples, in metres. REQUIRES: 1 <= up, 2^up divides N-1.
   double max_m(int up) const;
@@ -56,6 +55,14 @@ class AncestorErrors {
     std::vector<std::uint32_t> first_row;
   };
 
+  /// Posts off any lattice, by 2×2 group: those of group g are order[first[g]] … order[first[g+1] - 1].
+  struct PlacedPosts {
+    const MeasuredPosts* posts = nullptr;
+    std::vector<std::uint32_t> first;
+    std::vector<std::uint32_t> order;
+  };
+  static PlacedPosts by_group(const MeasuredPosts& posts, int groups);
+
   struct Search;
   const Bounds& bounds(int up) const { return bounds_[static_cast<std::size_t>(up) - 1]; }
 
@@ -63,6 +70,7 @@ class AncestorErrors {
   double quantum_m_;
   bool posts_are_exact_;  ///< so that no post is farther from an ancestor than the samples around it
   std::vector<LatticePosts> lattices_;
+  std::vector<PlacedPosts> placed_;
   std::vector<Bounds> bounds_;  // [k]: level k+1
 };
 

@@ -60,7 +60,7 @@ LeafErrors::LeafErrors(const HeightTile& tile, double quantum_m, std::span<const
     : tile_(tile), quantum_m_(quantum_m), posts_(posts), counting_(counting) {
   for (const auto& p : posts_)
     own_ = worse_of(own_, measure_own_surface(tile_, quantum_m_, p, counting_, own_stats_, own_errors_));
-  if (AncestorErrors::can_measure(tile_, posts_)) ancestors_.emplace(tile_, quantum_m_, posts_, own_errors_);
+  if (AncestorErrors::can_measure(tile_)) ancestors_.emplace(tile_, quantum_m_, posts_, own_errors_);
 }
 
 double LeafErrors::max_m(int up) const {

@@ -29,8 +29,8 @@ Result<ResampledImage> resample_image(const RasterSource& source, const TexelWin
 Result<ResampledImage> resample_separable(const RasterSource& source, const TexelWindow& window, double turn,
                                           bool with_rims);
 
-/// resample_image() of an image in a projection that bends the grid (UTM): in two dimensions, at positions
-/// that a ProjectionMesh of the projection gives.
+/// resample_image() of an image whose columns or rows do not run along meridians and parallels, in any CRS: in
+/// two dimensions, at positions that a ProjectionMesh of the projection gives.
 Result<ResampledImage> resample_warped(const RasterSource& source, const TexelWindow& window, double turn,
                                        bool with_rims);
 

@@ -8,6 +8,7 @@
 
 #include "builder/imagery/image_resample.h"
 #include "builder/imagery/texel_loops.h"
+#include "builder/raster/raster_placement.h"
 
 namespace cairn {
 
@@ -115,8 +116,8 @@ double density_of(const RasterInfo& info) {
     const auto a = info.georeference.post_at(middle), b = info.georeference.post_at(end);
     return std::hypot(b.column - a.column, b.row - a.row) / kStep;
   };
-  if (info.georeference.crs == Georeference::Crs::geographic)
-    return 1 / std::min(info.georeference.dx, std::abs(info.georeference.dy));
+  if (info.georeference.crs == Georeference::Crs::geographic && info.georeference.is_straight())
+    return 1 / std::min(std::abs(info.georeference.dx), std::abs(info.georeference.dy));
   return std::max(along({middle.lon + kStep, middle.lat}), along({middle.lon, middle.lat + kStep}));
 }
 
@@ -128,11 +129,15 @@ int level_for(double pixels_per_degree, int size) {
 }
 
 // Pixels are areas: half a pixel more than between the posts.
-GeoBounds outer_bounds(const RasterInfo& info) {
+Footprint outline_of(const RasterInfo& info) {
   const double columns = static_cast<double>(info.columns), rows = static_cast<double>(info.rows);
   const GeoBounds& b = info.bounds;
   const double x = b.width() / (columns - 1) / 2, y = b.height() / (rows - 1) / 2;
-  return {b.west - x, std::max(-90.0, b.south - y), b.east + x, std::min(90.0, b.north + y)};
+  Footprint outline;
+  for (const GeoBounds& part : tight_bounds(info, 3))
+    outline.add(
+        {part.west - x, std::max(-90.0, part.south - y), part.east + x, std::min(90.0, part.north + y)});
+  return outline;
 }
 
 // Where tiles overhang the world there is nothing.
@@ -153,8 +158,7 @@ void clear_overhang(const TexelWindow& window, int size, LinearImage& image) {
 
 ImageryMosaic::Image ImageryMosaic::describe(std::size_t source) const {
   const RasterInfo& info = pool_->info(source);
-  Image image{source, {}, density_of(info), 0};
-  image.outline.add(outer_bounds(info));
+  Image image{source, outline_of(info), density_of(info), 0};
   image.level = level_for(image.pixels_per_degree, size_);
   return image;
 }

@@ -73,7 +73,7 @@ bool is_opaque(const PixelBlock& block) {
 
 bool goes_around(const RasterInfo& info) {
   const Georeference& g = info.georeference;
-  const bool degrees = g.crs == Georeference::Crs::geographic;
+  const bool degrees = g.crs == Georeference::Crs::geographic && g.is_straight();
   return degrees && std::abs(static_cast<double>(info.columns) * g.dx - 360) < g.dx / 2;
 }
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
+#include <vector>
 
 #include "builder/imagery/image_resample.h"
 #include "builder/imagery/linear_pixels.h"
@@ -17,40 +17,49 @@ using std::int64_t;
 
 constexpr int kMostTaps = 16;
 
+// Images that touch have places of their own, each within this of the truth, and no texel may fall between
+// them.
+constexpr double kSlack = 0.01;      // of a pixel, beyond the image's rim
+constexpr double kTolerance = 1e-3;  // of a pixel
+
 // How many pixels a texel is wide along each axis of the raster, at least 1, in steps, so that neighbouring
 // windows have the same but where a step lies between them.
 PlanePoint texel_size(const Georeference& g, const TexelWindow& window, double turn) {
   const double c = window.columns / 2.0, r = window.rows / 2.0;
   const auto at = [&](double dc, double dr) {
-    return g.post_at({window.lon_of(c + dc) + turn, window.lat_of(r + dr)});
+    return g.post_at({window.lon_of(c + dc) + turn, std::clamp(window.lat_of(r + dr), -90.0, 90.0)});
   };
   const auto step = [](double a, double b) {
     const double size = std::max(std::abs(a), std::abs(b));
-    return size < 1.01 ? 1.0 : std::min(std::ceil(size * 16) / 16, kMostTaps / 4.0);
+    return size < 1.01 || !std::isfinite(size) ? 1.0 : std::min(std::ceil(size * 16) / 16, kMostTaps / 4.0);
   };
   const auto a = at(0, 0), east = at(1, 0), south = at(0, 1);
   return {step(east.column - a.column, south.column - a.column), step(east.row - a.row, south.row - a.row)};
 }
 
-// The positions of a window's texels in the raster.
+// The positions of a window's texels in the raster; not finite where it has none.
 ProjectionMesh positions_of(const Georeference& georeference, const TexelWindow& window, double turn) {
   const IndexWindow texels = {{window.column, window.column + window.columns - 1},
                               {window.row, window.row + window.rows - 1}};
-  return ProjectionMesh(texels, projection_mesh_step(window.texels_per_degree), [&](int64_t x, int64_t y) {
-    const double c = static_cast<double>(x - window.column), r = static_cast<double>(y - window.row);
-    const auto post = georeference.post_at({window.lon_of(c) + turn, window.lat_of(r)});
-    return PlanePoint{post.column, post.row};
-  });
+  return ProjectionMesh(texels, projection_mesh_step(window.texels_per_degree), kTolerance,
+                        [&georeference, window, turn](int64_t x, int64_t y) {
+                          const double c = static_cast<double>(x - window.column),
+                                       r = static_cast<double>(y - window.row);
+                          const LonLat place{window.lon_of(c) + turn, window.lat_of(r)};
+                          if (std::abs(place.lat) > 90) return PlanePoint{NAN, NAN};
+                          const auto post = georeference.post_at(place);
+                          return PlanePoint{post.column, post.row};
+                        });
 }
 
-// Where a window's texels lie in the raster, as far as they lie in the image.
+// Where texels lie in the raster, as far as they lie in the image.
 struct Reach {
   PlanePoint low{HUGE_VAL, HUGE_VAL};
   PlanePoint high{-HUGE_VAL, -HUGE_VAL};
 
-  void add(const Georeference::ColumnRow& p) {
-    low = {std::min(low.x, p.column), std::min(low.y, p.row)};
-    high = {std::max(high.x, p.column), std::max(high.y, p.row)};
+  void add(const PlanePoint& p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
   }
   bool holds(const PlanePoint& p) const {
     return p.x >= low.x && p.y >= low.y && p.x <= high.x && p.y <= high.y;
@@ -58,20 +67,23 @@ struct Reach {
   bool is_empty() const { return !(low.x <= high.x && low.y <= high.y); }
 };
 
-// By the window's outline, which stands for its inside: one pixel more on each side for the bends between.
-Reach reach_of(const RasterInfo& info, const TexelWindow& window, double turn) {
-  constexpr int kSides = 32;
+// The image's own area, to the outer edges of its pixels.
+Reach area_of(const RasterInfo& info) {
+  const double edge = 0.5 + kSlack;
+  return {{-edge, -edge},
+          {static_cast<double>(info.columns - 1) + edge, static_cast<double>(info.rows - 1) + edge}};
+}
+
+// The part of the image's area in which there are texels.
+Reach reach_of(const RasterInfo& info, const TexelWindow& window, const ProjectionMesh& mesh) {
+  const Reach area = area_of(info);
   Reach reach;
-  for (int k = 0; k <= kSides; ++k) {
-    const double c = static_cast<double>(k) / kSides * (window.columns - 1);
-    const double r = static_cast<double>(k) / kSides * (window.rows - 1);
-    for (const auto& [x, y] :
-         {std::pair{c, 0.0}, {c, window.rows - 1.0}, {0.0, r}, {window.columns - 1.0, r}})
-      reach.add(info.georeference.post_at({window.lon_of(x) + turn, window.lat_of(y)}));
+  std::vector<PlanePoint> positions(static_cast<std::size_t>(window.columns));
+  for (int r = 0; r < window.rows; ++r) {
+    mesh.row(window.row + r, positions);
+    for (const PlanePoint& p : positions)
+      if (area.holds(p)) reach.add(p);
   }
-  reach.low = {std::max(reach.low.x - 1, -0.5), std::max(reach.low.y - 1, -0.5)};
-  reach.high = {std::min(reach.high.x + 1, static_cast<double>(info.columns) - 0.5),
-                std::min(reach.high.y + 1, static_cast<double>(info.rows) - 0.5)};
   return reach;
 }
 
@@ -132,7 +144,8 @@ bool resample_row(const FloatPixels& image, const Reach& reach, std::span<const 
 Result<ResampledImage> resample_warped(const RasterSource& source, const TexelWindow& window, double turn,
                                        bool with_rims) {
   const RasterInfo& info = source.info();
-  const Reach reach = reach_of(info, window, turn);
+  const ProjectionMesh mesh = positions_of(info.georeference, window, turn);
+  const Reach reach = reach_of(info, window, mesh);
   if (reach.is_empty()) return ResampledImage{};
   const PlanePoint size = texel_size(info.georeference, window, turn);
   const auto block = read_block(source, pixels_for(reach, size));
@@ -141,7 +154,6 @@ Result<ResampledImage> resample_warped(const RasterSource& source, const TexelWi
   to_linear_light(block->rgba.data(), pixels);
   const FloatPixels wide{pixels.data(), block->column, block->row, block->columns};
 
-  const ProjectionMesh mesh = positions_of(info.georeference, window, turn);
   std::vector<PlanePoint> positions(static_cast<std::size_t>(window.columns));
   ResampledImage image{0, 0, LinearImage::unset(window.columns, window.rows), is_opaque(*block), {}};
   for (int r = 0; r < window.rows; ++r) {

@@ -1,19 +1,28 @@
 #include "builder/mosaic/projected_group.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "builder/raster/raster_placement.h"
+
 namespace cairn {
 namespace {
 
-constexpr std::size_t kCachedBlocks = 16;
+constexpr std::size_t kCachedBlocks = 24;
 constexpr std::int64_t kNeverWraps = std::int64_t{1} << 40;
 constexpr float kNoHeight = std::numeric_limits<float>::quiet_NaN();
 
-IndexWindow extent_of(const RasterInfo& info) {
-  return {{0, info.columns - 1}, {0, info.rows - 1}};
+std::vector<IndexWindow> extents_of(const RasterPool& pool, const ProjectedGroup::Grid& grid) {
+  std::vector<IndexWindow> extents;
+  for (const auto& m : grid.members) {
+    const RasterInfo& info = pool.info(m.source);
+    extents.push_back({{m.placement.column, m.placement.column + info.columns - 1},
+                       {m.placement.row, m.placement.row + info.rows - 1}});
+  }
+  return extents;
 }
 
 IndexWindow grown(const SampleWindow& w, std::int64_t by) {
@@ -28,120 +37,148 @@ double samples_per_degree_at(int level, int tile_size) {
   return static_cast<double>(tile_size - 1) / tile_width_degrees(level);
 }
 
+SampleState state_of(std::uint16_t owner) {
+  if (PostBlock::has_value(owner)) return SampleState::sourced;
+  return owner == PostBlock::kVoid ? SampleState::filled : SampleState::none;
+}
+
+// The best of the posts around a position.
+SampleState state_at(const PlanePoint& position, const PostBlock& posts) {
+  if (std::isnan(position.x)) return SampleState::none;
+  const auto c0 = static_cast<int>(static_cast<std::int64_t>(std::floor(position.x)) - posts.i0);
+  const auto c1 = static_cast<int>(static_cast<std::int64_t>(std::ceil(position.x)) - posts.i0);
+  const auto r0 = static_cast<int>(static_cast<std::int64_t>(std::floor(position.y)) - posts.j0);
+  const auto r1 = static_cast<int>(static_cast<std::int64_t>(std::ceil(position.y)) - posts.j0);
+  return std::max({state_of(posts.owners[posts.index(c0, r0)]), state_of(posts.owners[posts.index(c1, r0)]),
+                   state_of(posts.owners[posts.index(c0, r1)]), state_of(posts.owners[posts.index(c1, r1)])});
+}
+
 }  // namespace
 
-int ProjectedGroup::level_for(const RasterInfo& info, int tile_size) {
+int ProjectedGroup::level_for(const RasterPool& pool, const Grid& grid, int tile_size) {
+  const IndexWindow hull = GridMembers(extents_of(pool, grid)).hull();
+  const double least = 1.03 * posts_per_degree(grid.georeference, hull);
   int level = kMinLevel;
-  while (level < kMaxLevel && !ProjectedResampler(info.georeference, samples_per_degree_at(level, tile_size))
-                                   .is_well_conditioned(extent_of(info))) {
-    ++level;
-  }
+  while (level < kMaxLevel && samples_per_degree_at(level, tile_size) < least) ++level;
   return level;
 }
 
-ProjectedGroup::ProjectedGroup(RasterPool& pool, const Geoid* geoid, std::size_t source, int native_level,
+ProjectedGroup::ProjectedGroup(RasterPool& pool, const Geoid* geoid, Grid grid, int native_level,
                                int tile_size, double tolerance_m)
     : pool_(pool),
       geoid_(geoid),
-      info_(pool.info(source)),
-      extent_(extent_of(info_)),
-      intervals_(tile_size - 1),
+      grid_(std::move(grid)),
+      members_(extents_of(pool, grid_)),
+      block_side_((tile_size - 1) / 2),
       samples_per_degree_(samples_per_degree_at(native_level, tile_size)),
       tolerance_m_(tolerance_m),
-      resampler_(info_.georeference, samples_per_degree_),
-      fill_({extent_}, kNeverWraps,
+      resampler_(grid_.georeference, members_.hull(), samples_per_degree_),
+      fill_(members_.extents(), kNeverWraps,
             [this](IndexRange columns, IndexRange rows) { return read_posts(columns, rows); }) {
+  assert(grid_.members.size() < PostBlock::kVoid - 1u);
   native_level_ = native_level;
-  spacing_degrees_ = 1.0 / posts_per_degree(info_.georeference, extent_);
+  spacing_degrees_ = 1.0 / posts_per_degree(grid_.georeference, members_.hull());
   reaches_beyond_footprint_ = false;
-  footprint_.add(info_.bounds);
-  sources_ = {source};
+  const int halvings = grid_.members.size() == 1 ? 3 : grid_.members.size() < 64 ? 2 : 0;
+  for (const Member& m : grid_.members) {
+    for (GeoBounds part : tight_bounds(pool.info(m.source), halvings)) {
+      move_near(pool.info(grid_.members.front().source).bounds, part);
+      footprint_.add(part);
+    }
+    sources_.push_back(m.source);
+  }
 }
 
-// Posts by column and by row in the file's order.
+// Copies the member's posts to where the block has no value yet.
+Status ProjectedGroup::read_member(std::size_t member, PostBlock& block) const {
+  const IndexWindow& extent = members_.extents()[member];
+  const IndexRange x{std::max(block.i0, extent.x.first),
+                     std::min(block.i0 + block.columns - 1, extent.x.last)};
+  const IndexRange y{std::max(block.j0, extent.y.first), std::min(block.j0 + block.rows - 1, extent.y.last)};
+  const auto source = pool_.acquire(grid_.members[member].source);
+  if (!source) return source.error();
+  std::vector<float> read(static_cast<std::size_t>(x.count() * y.count()));
+  const PostWindow window{x.first - extent.x.first, y.first - extent.y.first, x.count(), y.count()};
+  if (auto status = (*source)->read_heights(window, read); !status) return status;
+  const auto owner = static_cast<std::uint16_t>(member + 1);
+  std::size_t from = 0;
+  for (std::int64_t r = y.first; r <= y.last; ++r) {
+    std::size_t to = block.index(static_cast<int>(x.first - block.i0), static_cast<int>(r - block.j0));
+    for (std::int64_t c = x.first; c <= x.last; ++c, ++from, ++to) {
+      if (PostBlock::has_value(block.owners[to])) continue;
+      block.owners[to] = std::isnan(read[from]) ? PostBlock::kVoid : owner;
+      block.heights[to] = read[from];
+    }
+  }
+  return {};
+}
+
+void ProjectedGroup::add_geoid(PostBlock& block) const {
+  for (int r = 0; r < block.rows; ++r) {
+    for (int c = 0; c < block.columns; ++c) {
+      float& height = block.heights[block.index(c, r)];
+      if (std::isnan(height)) continue;
+      const LonLat place =
+          grid_.georeference.place_of(static_cast<double>(block.i0 + c), static_cast<double>(block.j0 + r));
+      height += static_cast<float>(geoid_->undulation(place));
+    }
+  }
+}
+
+// Posts by column and by row in the grid's order.
 Result<PostBlock> ProjectedGroup::read_posts(IndexRange columns, IndexRange rows) const {
   PostBlock block{
       columns.first, rows.first, static_cast<int>(columns.count()), static_cast<int>(rows.count()), {}, {}};
   const std::size_t count = static_cast<std::size_t>(block.columns) * static_cast<std::size_t>(block.rows);
   block.heights.assign(count, kNoHeight);
   block.owners.assign(count, PostBlock::kOutside);
-  const IndexRange x{std::max(columns.first, extent_.x.first), std::min(columns.last, extent_.x.last)};
-  const IndexRange y{std::max(rows.first, extent_.y.first), std::min(rows.last, extent_.y.last)};
-  if (x.count() <= 0 || y.count() <= 0) return block;
-
-  const auto source = pool_.acquire(sources_.front());
-  if (!source) return source.error();
-  std::vector<float> read(static_cast<std::size_t>(x.count() * y.count()));
-  if (auto status = (*source)->read_heights({x.first, y.first, x.count(), y.count()}, read); !status)
-    return status.error();
-  std::size_t from = 0;
-  for (std::int64_t r = y.first; r <= y.last; ++r) {
-    for (std::int64_t c = x.first; c <= x.last; ++c, ++from) {
-      const std::size_t to =
-          block.index(static_cast<int>(c - columns.first), static_cast<int>(r - rows.first));
-      block.owners[to] = std::isnan(read[from]) ? PostBlock::kVoid : 1;
-      block.heights[to] = read[from];
-      if (geoid_ == nullptr) continue;
-      const LonLat place = info_.georeference.place_of(static_cast<double>(c), static_cast<double>(r));
-      block.heights[to] += static_cast<float>(geoid_->undulation(place));
-    }
+  for (const std::size_t member : members_.overlapping({columns, rows})) {
+    if (auto status = read_member(member, block); !status) return status.error();
   }
+  if (geoid_ != nullptr) add_geoid(block);
   return block;
 }
 
-std::vector<SampleState> ProjectedGroup::states_of(const SampleWindow& window, const PostBlock& posts) const {
-  const auto state_at = [&](double column, double row) {
-    SampleState best = SampleState::none;
-    const auto last_r = static_cast<std::int64_t>(std::ceil(row));
-    const auto last_c = static_cast<std::int64_t>(std::ceil(column));
-    for (auto r = static_cast<std::int64_t>(std::floor(row)); r <= last_r; ++r) {
-      for (auto c = static_cast<std::int64_t>(std::floor(column)); c <= last_c; ++c) {
-        if (c < posts.i0 || r < posts.j0 || c >= posts.i0 + posts.columns || r >= posts.j0 + posts.rows)
-          continue;
-        const std::uint16_t owner =
-            posts.owners[posts.index(static_cast<int>(c - posts.i0), static_cast<int>(r - posts.j0))];
-        if (PostBlock::has_value(owner)) return SampleState::sourced;
-        if (owner == PostBlock::kVoid) best = SampleState::filled;
-      }
-    }
-    return best;
-  };
-  std::vector<SampleState> states;
-  states.reserve(window.count());
-  for (int r = 0; r < window.rows; ++r) {
-    for (int c = 0; c < window.columns; ++c) {
-      const auto post = info_.georeference.post_at({window.lon_of(c), window.lat_of(r)});
-      states.push_back(state_at(post.column, post.row));
+// Makes the heights and states of the block, if there are posts around it.
+Status ProjectedGroup::fill_block(Block& block) const {
+  const SamplePositions positions = resampler_.positions_of(grown(block.window, ProjectedResampler::kHalo));
+  if (positions.posts.count() <= 0) return {};
+  auto posts = read_posts(positions.posts.x, positions.posts.y);
+  if (!posts) return posts.error();
+  std::vector<std::uint8_t> fitted(posts->owners.size());
+  std::transform(posts->owners.begin(), posts->owners.end(), fitted.begin(),
+                 [](std::uint16_t owner) { return PostBlock::has_value(owner) ? 1 : 0; });
+  const bool complete = std::find(fitted.begin(), fitted.end(), 0) == fitted.end();
+  const bool any = std::any_of(posts->owners.begin(), posts->owners.end(),
+                               [](std::uint16_t owner) { return owner != PostBlock::kOutside; });
+  if (!any) return {};
+  if (!complete) {
+    if (auto status = fill_.complete(*posts); !status) return status;
+  }
+  std::vector<float> out(positions.at.size());
+  std::vector<std::uint8_t> met(complete ? 0 : out.size(), 0);
+  resampler_.resample(posts->heights, fitted, positions, tolerance_m_, out, met);
+  block.heights.reserve(block.window.count());
+  for (std::int64_t r = 0; r < block.window.rows; ++r) {
+    const std::size_t first = positions.samples.offset(block.window.column, block.window.row + r);
+    for (std::size_t i = first; i < first + static_cast<std::size_t>(block.window.columns); ++i) {
+      block.heights.push_back(out[i]);
+      if (!complete)
+        block.states.push_back(met[i] != 0 ? SampleState::sourced : state_at(positions.at[i], *posts));
     }
   }
-  return states;
+  return {};
 }
 
-// A window without any post of the raster has no samples; one that has some is fitted.
 Result<ProjectedGroup::BlockPointer> ProjectedGroup::make_block(std::int64_t x, std::int64_t y) const {
   auto block = std::make_shared<Block>();
-  block->window = {x * intervals_, y * intervals_, intervals_, intervals_, samples_per_degree_};
-  const IndexWindow samples = grown(block->window, ProjectedResampler::kHalo);
-  const IndexWindow wanted = resampler_.posts_for(samples);
-  auto posts = read_posts(wanted.x, wanted.y);
-  if (!posts) return posts.error();
-  const bool complete = std::all_of(posts->owners.begin(), posts->owners.end(), PostBlock::has_value);
-  if (!complete) {
-    block->states = states_of(block->window, *posts);
-    if (auto status = fill_.complete(*posts); !status) return status.error();
-  }
-  std::vector<float> out(static_cast<std::size_t>(samples.count()));
-  resampler_.resample(posts->heights, samples, tolerance_m_, out);
-  block->heights.reserve(block->window.count());
-  for (std::int64_t r = 0; r < intervals_; ++r) {
-    const auto row = out.begin() +
-                     static_cast<std::ptrdiff_t>(samples.offset(block->window.column, block->window.row + r));
-    block->heights.insert(block->heights.end(), row, row + intervals_);
-  }
+  const auto side = static_cast<int>(block_side_);
+  block->window = {x * block_side_, y * block_side_, side, side, samples_per_degree_};
+  if (auto status = fill_block(*block); !status) return status.error();
   return BlockPointer(std::move(block));
 }
 
-// Two threads that miss the same block both make it: the same bits, and neither waits.
+// Two threads that miss one block both make it: equal bits, and neither waits.
 Result<ProjectedGroup::BlockPointer> ProjectedGroup::block_at(std::int64_t x, std::int64_t y) const {
   {
     const std::scoped_lock lock(mutex_);
@@ -160,22 +197,27 @@ Result<ProjectedGroup::BlockPointer> ProjectedGroup::block_at(std::int64_t x, st
   return block;
 }
 
-// Puts the posts in the closed window at their places, by the projection itself: not as the fit saw them.
+// Puts the posts in the closed window at their places, each once, also where the window goes around the
+// Earth.
 Status ProjectedGroup::add_posts(const SampleWindow& window, MeasuredPosts& posts) const {
-  const IndexWindow wanted = resampler_.posts_for(grown(window, 0));
-  const IndexRange x{std::max(wanted.x.first, extent_.x.first), std::min(wanted.x.last, extent_.x.last)};
-  const IndexRange y{std::max(wanted.y.first, extent_.y.first), std::min(wanted.y.last, extent_.y.last)};
-  if (x.count() <= 0 || y.count() <= 0) return {};
-  const auto read = read_posts(x, y);
+  const IndexWindow wanted = resampler_.posts_near(grown(window, 0));
+  if (wanted.x.count() <= 0 || wanted.y.count() <= 0) return {};
+  const auto read = read_posts(wanted.x, wanted.y);
   if (!read) return read.error();
-  for (std::int64_t r = y.first; r <= y.last; ++r) {
-    for (std::int64_t c = x.first; c <= x.last; ++c) {
-      const std::size_t at = read->index(static_cast<int>(c - x.first), static_cast<int>(r - y.first));
+  const ProjectionMesh mesh = resampler_.places_of(wanted, grown(window, 0));
+  const double around = resampler_.around();
+  const bool wide = window.columns > around / 2;
+  std::vector<PlanePoint> row(static_cast<std::size_t>(read->columns));
+  for (int r = 0; r < read->rows; ++r) {
+    mesh.row(read->j0 + r, row);
+    for (int c = 0; c < read->columns; ++c) {
+      const std::size_t at = read->index(c, r);
       if (!PostBlock::has_value(read->owners[at])) continue;
-      const LonLat place = info_.georeference.place_of(static_cast<double>(c), static_cast<double>(r));
-      const double px = (place.lon + 180.0) * samples_per_degree_ - static_cast<double>(window.column);
-      const double py = (place.lat + 90.0) * samples_per_degree_ - static_cast<double>(window.row);
-      if (px < 0 || py < 0 || px > window.columns - 1 || py > window.rows - 1) continue;
+      const PlanePoint& place = row[static_cast<std::size_t>(c)];
+      const double x = wide ? place.x - around * std::floor(place.x / around) : place.x;
+      const double px = x - static_cast<double>(window.column);
+      const double py = place.y - static_cast<double>(window.row);
+      if (!(px >= 0 && py >= 0 && px <= window.columns - 1 && py <= window.rows - 1)) continue;
       posts.placed.push_back({px, py, read->heights[at], read->owners[at]});
     }
   }
@@ -185,14 +227,15 @@ Status ProjectedGroup::add_posts(const SampleWindow& window, MeasuredPosts& post
 Result<GroupSamples> ProjectedGroup::sample(const SampleWindow& window) const {
   assert(window.samples_per_degree == samples_per_degree_);
   GroupSamples samples;
-  samples.heights.resize(window.count());
-  samples.states.assign(window.count(), SampleState::sourced);
+  samples.heights.assign(window.count(), kNoHeight);
+  samples.states.assign(window.count(), SampleState::none);
   const std::int64_t east = window.column + window.columns;
   const std::int64_t north = window.row + window.rows;
-  for (std::int64_t by = floor_divide(window.row, intervals_); by * intervals_ < north; ++by) {
-    for (std::int64_t bx = floor_divide(window.column, intervals_); bx * intervals_ < east; ++bx) {
+  for (std::int64_t by = floor_divide(window.row, block_side_); by * block_side_ < north; ++by) {
+    for (std::int64_t bx = floor_divide(window.column, block_side_); bx * block_side_ < east; ++bx) {
       const auto block = block_at(bx, by);
       if (!block) return block.error();
+      if ((*block)->heights.empty()) continue;
       const SampleWindow& b = (*block)->window;
       for (std::int64_t r = std::max(window.row, b.row); r < std::min(north, b.row + b.rows); ++r) {
         for (std::int64_t c = std::max(window.column, b.column); c < std::min(east, b.column + b.columns);
@@ -200,7 +243,7 @@ Result<GroupSamples> ProjectedGroup::sample(const SampleWindow& window) const {
           const auto from = static_cast<std::size_t>((r - b.row) * b.columns + (c - b.column));
           const auto to = static_cast<std::size_t>((r - window.row) * window.columns + (c - window.column));
           samples.heights[to] = (*block)->heights[from];
-          if (!(*block)->states.empty()) samples.states[to] = (*block)->states[from];
+          samples.states[to] = (*block)->states.empty() ? SampleState::sourced : (*block)->states[from];
         }
       }
     }

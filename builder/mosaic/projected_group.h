@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "builder/mosaic/geoid.h"
+#include "builder/mosaic/grid_members.h"
 #include "builder/mosaic/source_group.h"
 #include "builder/raster/raster_pool.h"
 #include "builder/resample/post_block.h"
@@ -14,16 +15,27 @@
 
 namespace cairn {
 
-/// One raster on a projected grid. It is fitted in blocks of a tile's 512×512 samples (its west and south
-/// edges, not the others), each with a halo, so that every sample is one block's to decide and neighbouring
-/// tiles agree bit for bit.
+/// Rasters on one grid in any CRS, mosaicked post by post: where they overlap the first that has a value
+/// wins. The posts are fitted in blocks of half a tile's samples a side (their west and south edges, not the
+/// others), each with a halo, so that every sample is one block's to decide and neighbouring tiles agree bit
+/// for bit.
 class ProjectedGroup final : public SourceGroup {
  public:
+  struct Member {
+    std::size_t source;  // in the pool
+    GridPlacement placement;
+  };
+  /// A grid, and the rasters on it in the order in which they win.
+  struct Grid {
+    Georeference georeference;
+    std::vector<Member> members;
+  };
+
   /// The first level on which a surface through all posts exists.
-  static int level_for(const RasterInfo& info, int tile_size);
+  static int level_for(const RasterPool& pool, const Grid& grid, int tile_size);
 
   /// REQUIRES: pool and geoid (may be null) outlive the group; native_level >= level_for().
-  ProjectedGroup(RasterPool& pool, const Geoid* geoid, std::size_t source, int native_level, int tile_size,
+  ProjectedGroup(RasterPool& pool, const Geoid* geoid, Grid grid, int native_level, int tile_size,
                  double tolerance_m);
 
   void set_reach(double /*solid*/, double /*fade*/) override {}  // it ends where its posts end
@@ -31,23 +43,25 @@ class ProjectedGroup final : public SourceGroup {
 
  private:
   struct Block {
-    SampleWindow window;  // of the samples that the block decides
-    std::vector<float> heights;
+    SampleWindow window;              // of the samples that the block decides
+    std::vector<float> heights;       // empty where the block has no posts
     std::vector<SampleState> states;  // empty where all are sourced
   };
   using BlockPointer = std::shared_ptr<const Block>;
 
   Result<PostBlock> read_posts(IndexRange columns, IndexRange rows) const;
+  Status read_member(std::size_t member, PostBlock& block) const;
+  void add_geoid(PostBlock& block) const;
   Result<BlockPointer> block_at(std::int64_t x, std::int64_t y) const;
   Result<BlockPointer> make_block(std::int64_t x, std::int64_t y) const;
-  std::vector<SampleState> states_of(const SampleWindow& window, const PostBlock& posts) const;
+  Status fill_block(Block& block) const;
   Status add_posts(const SampleWindow& window, MeasuredPosts& posts) const;
 
   RasterPool& pool_;
   const Geoid* geoid_;
-  RasterInfo info_;
-  IndexWindow extent_;
-  int intervals_;
+  Grid grid_;
+  GridMembers members_;
+  std::int64_t block_side_;
   double samples_per_degree_;
   double tolerance_m_;
   ProjectedResampler resampler_;

@@ -49,6 +49,18 @@ void add_to_lattice(std::vector<LatticeMembers>& lattices, std::size_t source,
   lattices.push_back({placement.lattice, {{source, placement}}});
 }
 
+// Sources that one grid holds, in the order of the command line.
+void add_to_grid(std::vector<ProjectedGroup::Grid>& grids, std::size_t source, const RasterInfo& info) {
+  for (ProjectedGroup::Grid& grid : grids) {
+    if (grid.members.size() + 2 >= PostBlock::kVoid) continue;
+    if (const auto placement = place_on_grid(info, grid.georeference)) {
+      grid.members.push_back({source, *placement});
+      return;
+    }
+  }
+  grids.push_back({info.georeference, {{source, {}}}});
+}
+
 // --level finer than the sources need: the finest groups are sampled there.
 int asked_level(int native, int finest, const MosaicOptions& options) {
   return native == finest && options.level ? std::max(native, *options.level) : native;
@@ -59,19 +71,18 @@ int asked_level(int native, int finest, const MosaicOptions& options) {
 Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool, const Geoid* geoid,
                                                                 const MosaicOptions& options, int tile_size) {
   std::vector<LatticeMembers> lattices;
-  std::vector<std::size_t> projected;
+  std::vector<ProjectedGroup::Grid> grids;
   for (std::size_t s = 0; s < pool.size(); ++s) {
     if (const auto placement = place_on_lattice(pool.info(s))) {
       add_to_lattice(lattices, s, *placement);
     } else {
-      projected.push_back(s);
+      add_to_grid(grids, s, pool.info(s));
     }
   }
   int finest = kMinLevel;
   for (const auto& l : lattices)
     finest = std::max(finest, lattice_level(l.lattice, options.resampling, tile_size));
-  for (const std::size_t s : projected)
-    finest = std::max(finest, ProjectedGroup::level_for(pool.info(s), tile_size));
+  for (const auto& g : grids) finest = std::max(finest, ProjectedGroup::level_for(pool, g, tile_size));
 
   std::vector<std::unique_ptr<SourceGroup>> groups;
   for (auto& l : lattices) {
@@ -82,9 +93,10 @@ Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool
   }
   const double error_bound_m = options.max_error_m.value_or(kFinestDefaultErrorBound);
   const double tolerance = error_bound_m * kShareOfErrorBound;
-  for (const std::size_t s : projected) {
-    const int level = asked_level(ProjectedGroup::level_for(pool.info(s), tile_size), finest, options);
-    groups.push_back(std::make_unique<ProjectedGroup>(pool, geoid, s, level, tile_size, tolerance));
+  for (auto& g : grids) {
+    const int level = asked_level(ProjectedGroup::level_for(pool, g, tile_size), finest, options);
+    groups.push_back(
+        std::make_unique<ProjectedGroup>(pool, geoid, std::move(g), level, tile_size, tolerance));
   }
   std::sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) {
     if (a->spacing_degrees() != b->spacing_degrees()) return a->spacing_degrees() < b->spacing_degrees();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace cairn {
 namespace {
@@ -59,6 +60,11 @@ bool set_crs(Georeference& georeference, int epsg) {
 
 bool is_near_wgs84(int geodetic_datum) {
   return contains(kDatums, geodetic_datum);
+}
+
+void set_other_crs(Georeference& georeference, std::string definition) {
+  georeference.crs = Georeference::Crs::other;
+  georeference.definition = std::move(definition);
 }
 
 double metres_of_unit(int epsg_unit) {

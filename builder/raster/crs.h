@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "builder/raster/georeference.h"
@@ -16,6 +17,10 @@ bool is_near_wgs84(int geodetic_datum);
 
 /// Sets UTM. Returns false where the zone is none.
 bool set_utm(Georeference& georeference, int zone, bool north);
+
+/// Sets a CRS that cairn does not compute itself, by its definition ("EPSG:2154", WKT). place_raster() finds
+/// it.
+void set_other_crs(Georeference& georeference, std::string definition);
 
 /// Metres of a vertical unit by its EPSG code (9001 metre, 9002 foot, 9003 US survey foot), or 0.
 double metres_of_unit(int epsg_unit);

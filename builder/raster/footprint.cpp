@@ -28,6 +28,8 @@ GeoBounds Footprint::bounds() const {
     all = {std::min(all.west, r.west), std::min(all.south, r.south), std::max(all.east, r.east),
            std::max(all.north, r.north)};
   }
+  if (all.width() > 360) return {-180, all.south, 180, all.north};
+  if (all.west < -180.5) return {all.west + 360, all.south, all.east + 360, all.north};
   return all;
 }
 

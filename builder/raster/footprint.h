@@ -14,7 +14,8 @@ class Footprint {
 
   const std::vector<GeoBounds>& rectangles() const { return rectangles_; }
 
-  /// The smallest rectangle around all, without regard to the antimeridian.
+  /// The smallest rectangle around all, as they stand on either side of the antimeridian, but never wider
+  /// than the Earth.
   GeoBounds bounds() const;
 
   /// Degrees from the place to the nearest rectangle, the larger of the two axes' distances; 0 inside.

@@ -50,25 +50,41 @@ LonLat to_web_mercator(LonLat place) {
 
 }  // namespace
 
+bool Georeference::has_crs_of(const Georeference& o) const {
+  if (crs != o.crs) return false;
+  if (crs == Crs::utm) return utm_zone == o.utm_zone && utm_north == o.utm_north;
+  return crs != Crs::other || transform == o.transform;
+}
+
 LonLat Georeference::place_of(double column, double row) const {
-  const double x = x0 + column * dx;
-  const double y = y0 + row * dy;
+  LonLat at = coordinate_of(column, row);
   switch (crs) {
     case Crs::geographic:
-      return {x, y};
+      return at;
     case Crs::utm:
-      return from_utm(*this, x, y);
+      return from_utm(*this, at.lon, at.lat);
     case Crs::web_mercator:
-      return from_web_mercator(x, y);
+      return from_web_mercator(at.lon, at.lat);
+    case Crs::other:
+      transform->to_degrees({&at, 1});
+      return at;
   }
   return {};
+}
+
+Georeference::ColumnRow Georeference::post_at_coordinate(LonLat xy) const {
+  const double x = xy.lon - x0, y = xy.lat - y0;
+  if (is_straight()) return {x / dx, y / dy};
+  const double determinant = dx * dy - x_per_row * y_per_column;
+  return {(x * dy - y * x_per_row) / determinant, (y * dx - x * y_per_column) / determinant};
 }
 
 Georeference::ColumnRow Georeference::post_at(LonLat place) const {
   LonLat xy = place;
   if (crs == Crs::utm) xy = to_utm(*this, place);
   if (crs == Crs::web_mercator) xy = to_web_mercator(place);
-  return {(xy.lon - x0) / dx, (xy.lat - y0) / dy};
+  if (crs == Crs::other) transform->from_degrees({&xy, 1});
+  return post_at_coordinate(xy);
 }
 
 }  // namespace cairn

@@ -1,16 +1,22 @@
 #pragma once
 
+#include <memory>
+#include <string>
+
+#include "builder/raster/crs_transform.h"
 #include "cairn/geo.h"
 
 namespace cairn {
 
-/// Where the posts of a raster lie. Post (column, row) has the CRS coordinate x = x0 + column·dx, y = y0 +
-/// row·dy: the place of the post itself, so for a pixel-is-area raster the pixel's centre. No rotation.
+/// Where the posts of a raster lie. Post (column, row) has the CRS coordinate x = x0 + column·dx +
+/// row·x_per_row, y = y0 + column·y_per_column + row·dy: the place of the post itself, so for a pixel-is-area
+/// raster the pixel's centre.
 struct Georeference {
   enum class Crs {
     geographic,    ///< degrees, WGS84 or NAD83 (they differ by about a metre, which cairn ignores)
     utm,           ///< metres, transverse Mercator on WGS84, k0 = 0.9996
     web_mercator,  ///< metres, EPSG:3857
+    other,         ///< by `transform`, in the CRS's own unit
   };
   Crs crs = Crs::geographic;
   int utm_zone = 0;  ///< 1…60
@@ -18,9 +24,21 @@ struct Georeference {
   double x0 = 0;
   double y0 = 0;
   double dx = 1;
-  double dy = -1;  ///< negative where row 0 is the northernmost, as in most files
+  double dy = -1;               ///< negative where row 0 is the northernmost, as in most files
+  double x_per_row = 0;         ///< other than 0 where the raster is turned or sheared
+  double y_per_column = 0;      ///< likewise
+  std::string definition = {};  ///< of another CRS, as open_crs() takes it
+  std::shared_ptr<const CrsTransform> transform =
+      nullptr;  ///< of another CRS, once place_raster() has found it
 
-  /// The place of a post; fractional columns and rows are places between posts.
+  /// Whether columns run along x and rows along y.
+  bool is_straight() const { return x_per_row == 0 && y_per_column == 0; }
+
+  /// Whether coordinates of both have one meaning.
+  bool has_crs_of(const Georeference& other) const;
+
+  /// The place of a post; fractional columns and rows are places between posts. Infinite where the CRS has
+  /// none.
   LonLat place_of(double column, double row) const;
 
   struct ColumnRow {
@@ -29,6 +47,13 @@ struct Georeference {
   };
   /// The inverse. For geographic rasters longitudes are taken as given, not wrapped.
   ColumnRow post_at(LonLat place) const;
+
+  /// The CRS coordinate of a post.
+  LonLat coordinate_of(double column, double row) const {
+    return {x0 + column * dx + row * x_per_row, y0 + column * y_per_column + row * dy};
+  }
+  /// The post at a CRS coordinate.
+  ColumnRow post_at_coordinate(LonLat xy) const;
 };
 
 }  // namespace cairn

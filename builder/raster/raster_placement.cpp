@@ -1,8 +1,11 @@
 #include "builder/raster/raster_placement.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -45,46 +48,155 @@ void take_turns_away(RasterInfo& info) {
   info.georeference.x0 -= 360 * std::floor((west + 180 + half_post) / 360);
 }
 
-/// Bounds along one edge of a projected raster from places along it. Between two of them the edge is a smooth
-/// curve that leaves its chord by at most an eighth of the second difference, give or take: a fourth is
-/// added.
-void bound_edge(const RasterInfo& info, double c0, double r0, double c1, double r1, GeoBounds& bounds) {
-  constexpr int kSteps = 64;
-  LonLat before{}, here{};
-  for (int i = 0; i <= kSteps; ++i) {
-    const double t = static_cast<double>(i) / kSteps;
-    const LonLat p = info.georeference.place_of(c0 + t * (c1 - c0), r0 + t * (r1 - r0));
-    const double slack_lon = i < 2 ? 0 : std::abs(p.lon - 2 * here.lon + before.lon) / 4;
-    const double slack_lat = i < 2 ? 0 : std::abs(p.lat - 2 * here.lat + before.lat) / 4;
-    bounds.west = std::min(bounds.west, p.lon - slack_lon);
-    bounds.east = std::max(bounds.east, p.lon + slack_lon);
-    bounds.south = std::min(bounds.south, p.lat - slack_lat);
-    bounds.north = std::max(bounds.north, p.lat + slack_lat);
-    before = here;
-    here = p;
-  }
+bool is_regular(const Georeference& g) {
+  return g.crs == Georeference::Crs::geographic && g.is_straight() && g.dx > 0;
 }
 
-GeoBounds projected_bounds(const RasterInfo& info) {
-  const double c = static_cast<double>(info.columns - 1);
-  const double r = static_cast<double>(info.rows - 1);
-  const LonLat first = info.georeference.place_of(0, 0);
-  GeoBounds bounds{first.lon, first.lat, first.lon, first.lat};
-  bound_edge(info, 0, 0, c, 0, bounds);
-  bound_edge(info, 0, r, c, r, bounds);
-  bound_edge(info, 0, 0, 0, r, bounds);
-  bound_edge(info, c, 0, c, r, bounds);
-  return bounds;
+bool is_close(const Georeference::ColumnRow& a, double column, double row) {
+  return std::abs(a.column - column) < 0.01 && std::abs(a.row - row) < 0.01;
 }
 
-/// A corner must come back from its place: beyond a projection's domain it does not.
-Status check_corner(const RasterInfo& info, double column, double row) {
+/// A post must come back from its place: beyond a projection's domain it does not.
+Status check_post(const RasterInfo& info, double column, double row) {
   const LonLat p = info.georeference.place_of(column, row);
-  const auto back = info.georeference.post_at(p);
-  if (std::abs(back.column - column) < 0.01 && std::abs(back.row - row) < 0.01) return {};
+  if (std::isfinite(p.lon) && is_close(info.georeference.post_at(p), column, row)) return {};
   return misplaced(info,
                    fmt::format("expected a projection that covers the raster, found post ({}, {}) outside it",
                                column, row));
+}
+
+Status check_posts(const RasterInfo& info) {
+  constexpr int kSteps = 5;
+  for (int j = 0; j <= kSteps; ++j) {
+    for (int i = 0; i <= kSteps; ++i) {
+      const auto column = std::floor(static_cast<double>(info.columns - 1) * i / kSteps);
+      const auto row = std::floor(static_cast<double>(info.rows - 1) * j / kSteps);
+      if (auto post = check_post(info, column, row); !post) return post;
+    }
+  }
+  return {};
+}
+
+/// Whether this pole is a point of the raster's plane that lies among the posts, or within one of them. Where
+/// a projection draws the pole as a line (plate carrée), its places differ by longitude.
+bool holds_pole(const RasterInfo& info, double lat) {
+  const Georeference& g = info.georeference;
+  const bool degrees =
+      g.crs == Georeference::Crs::geographic || (g.transform && g.transform->is_geographic());
+  if (degrees) return false;
+  const auto pole = g.post_at({0, lat}), again = g.post_at({100, lat});
+  if (!is_close(again, pole.column, pole.row)) return false;
+  return pole.column > -1 && pole.row > -1 && pole.column < static_cast<double>(info.columns) &&
+         pole.row < static_cast<double>(info.rows);
+}
+
+struct EdgePost {
+  double column = 0;
+  double row = 0;
+  LonLat place;
+};
+
+/// How far east it is from one post of an edge to another. Beside a pole longitudes run through half a turn
+/// in less than a post, so a large step is halved until its direction shows.
+double step_east(const Georeference& g, const EdgePost& a, const EdgePost& b, int depth) {
+  constexpr double kPlain = 60;
+  constexpr int kMostHalvings = 40;
+  const double step = std::remainder(b.place.lon - a.place.lon, 360);
+  if (std::abs(step) <= kPlain || depth == kMostHalvings) return step;
+  EdgePost middle{(a.column + b.column) / 2, (a.row + b.row) / 2, {}};
+  middle.place = g.place_of(middle.column, middle.row);
+  return step_east(g, a, middle, depth + 1) + step_east(g, middle, b, depth + 1);
+}
+
+constexpr std::size_t kRimSteps = 24;  // of each edge
+
+/// The raster's rim, around once from corner to corner, longitudes without a jump.
+std::vector<LonLat> rim_of(const RasterInfo& info) {
+  const double c = static_cast<double>(info.columns - 1), r = static_cast<double>(info.rows - 1);
+  const std::array<EdgePost, 5> corners = {{{0, 0, {}}, {c, 0, {}}, {c, r, {}}, {0, r, {}}, {0, 0, {}}}};
+  std::vector<LonLat> rim;
+  EdgePost before{0, 0, info.georeference.place_of(0, 0)};
+  double lon = before.place.lon;
+  rim.push_back(before.place);
+  for (std::size_t edge = 0; edge < 4; ++edge) {
+    const EdgePost& from = corners[edge];
+    const EdgePost& to = corners[edge + 1];
+    for (std::size_t i = 1; i <= kRimSteps; ++i) {
+      const double t = static_cast<double>(i) / static_cast<double>(kRimSteps);
+      EdgePost here{from.column + t * (to.column - from.column), from.row + t * (to.row - from.row), {}};
+      here.place = info.georeference.place_of(here.column, here.row);
+      lon += step_east(info.georeference, before, here, 0);
+      rim.push_back({lon, here.place.lat});
+      before = here;
+    }
+  }
+  return rim;
+}
+
+/// Between two of its places an edge is a smooth curve that leaves its chord by at most an eighth of the
+/// second difference, give or take: a fourth is added.
+GeoBounds bounds_around(const std::vector<LonLat>& rim) {
+  GeoBounds bounds{rim[0].lon, rim[0].lat, rim[0].lon, rim[0].lat};
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    const bool inner = i % kRimSteps != 0;  // no corner
+    const double lon = inner ? std::abs(rim[i + 1].lon - 2 * rim[i].lon + rim[i - 1].lon) / 4 : 0;
+    const double lat = inner ? std::abs(rim[i + 1].lat - 2 * rim[i].lat + rim[i - 1].lat) / 4 : 0;
+    bounds.west = std::min(bounds.west, rim[i].lon - lon);
+    bounds.east = std::max(bounds.east, rim[i].lon + lon);
+    bounds.south = std::min(bounds.south, std::max(rim[i].lat - lat, -90.0));
+    bounds.north = std::max(bounds.north, std::min(rim[i].lat + lat, 90.0));
+  }
+  return bounds;
+}
+
+/// The bounds of posts that are not on a lattice of longitude and latitude.
+Result<GeoBounds> projected_bounds(const RasterInfo& info) {
+  const std::vector<LonLat> rim = rim_of(info);
+  const bool finite = std::all_of(rim.begin(), rim.end(),
+                                  [](LonLat p) { return std::isfinite(p.lon) && std::isfinite(p.lat); });
+  if (!finite)
+    return misplaced(info,
+                     "expected a projection that covers the raster, found a part of its rim outside it");
+  GeoBounds bounds = bounds_around(rim);
+  const bool north = holds_pole(info, 90), south = holds_pole(info, -90);
+  if (north || south) {
+    bounds.west = -180;
+    bounds.east = 180;
+    if (north) bounds.north = 90;
+    if (south) bounds.south = -90;
+    return bounds;
+  }
+  if (std::abs(rim.back().lon - rim.front().lon) > 1)
+    return misplaced(
+        info,
+        "expected a raster in one piece, found one that the antimeridian of its projection or a pole cuts");
+  const double turns = std::floor((bounds.west + 180) / 360);
+  bounds.west -= 360 * turns;
+  bounds.east -= 360 * turns;
+  return bounds;
+}
+
+/// Finds another CRS's transform. One of longitude and latitude that WGS84 shares is not another.
+Status find_crs(RasterInfo& info) {
+  Georeference& g = info.georeference;
+  if (g.crs != Georeference::Crs::other) return {};
+  const double c = static_cast<double>(info.columns - 1), r = static_cast<double>(info.rows - 1);
+  const LonLat middle = g.coordinate_of(c / 2, r / 2);
+  auto transform = open_crs(g.definition, middle.lon, middle.lat);
+  if (!transform) return bad_data(info.path.string() + ": " + transform.error().message);
+  g.transform = std::move(*transform);
+  if (!g.transform->is_geographic()) return {};
+  constexpr double kSame = 1e-9;  // degrees: 0.1 mm
+  for (const auto& [column, row] : {std::pair{c / 2, r / 2}, {0., 0.}, {c, 0.}, {0., r}, {c, r}}) {
+    const LonLat at = g.coordinate_of(column, row), place = g.place_of(column, row);
+    const bool same =
+        std::abs(std::remainder(at.lon - place.lon, 360)) < kSame && std::abs(at.lat - place.lat) < kSame;
+    if (!same) return {};
+  }
+  g.crs = Georeference::Crs::geographic;
+  g.transform = nullptr;
+  g.definition.clear();
+  return {};
 }
 
 Status check_numbers(const RasterInfo& info) {
@@ -92,35 +204,90 @@ Status check_numbers(const RasterInfo& info) {
   if (info.columns < 2 || info.rows < 2 || info.columns > kMostPosts || info.rows > kMostPosts)
     return bad_data(fmt::format("{}: size: expected 2 to 2^31 posts each way, found {}×{}",
                                 info.path.string(), info.columns, info.rows));
-  if (!std::isfinite(g.dx) || !std::isfinite(g.dy) || g.dx <= 0 || g.dy == 0)
-    return misplaced(info, fmt::format("expected a spacing above zero, found {} × {}", g.dx, g.dy));
+  const double area = g.dx * g.dy - g.x_per_row * g.y_per_column;
+  if (!std::isfinite(area) || area == 0)
+    return misplaced(info, fmt::format("expected a spacing other than zero, found {} × {}", g.dx, g.dy));
   if (!std::isfinite(g.x0) || !std::isfinite(g.y0))
     return misplaced(info, fmt::format("expected an origin, found ({}, {})", g.x0, g.y0));
   return {};
 }
 
+/// Square degrees inside a rim, by Gauss's formula.
+double area_inside(const std::vector<LonLat>& rim) {
+  double twice = 0;
+  for (std::size_t i = 0; i + 1 < rim.size(); ++i)
+    twice += rim[i].lon * rim[i + 1].lat - rim[i + 1].lon * rim[i].lat;
+  return std::abs(twice) / 2;
+}
+
+/// A part of a raster's posts as a raster.
+RasterInfo part_of(const RasterInfo& info, std::int64_t column, std::int64_t row, std::int64_t columns,
+                   std::int64_t rows) {
+  RasterInfo part = info;
+  const LonLat first = info.georeference.coordinate_of(static_cast<double>(column), static_cast<double>(row));
+  part.georeference.x0 = first.lon;
+  part.georeference.y0 = first.lat;
+  part.columns = columns;
+  part.rows = rows;
+  return part;
+}
+
+/// Adds the raster's bounds, or those of its quarters where much of the bounds holds no posts.
+void add_tight_bounds(const RasterInfo& info, int halvings, std::vector<GeoBounds>& found) {
+  constexpr double kMuch = 0.7;
+  constexpr std::int64_t kLeastPosts = 16;
+  const auto whole = projected_bounds(info);
+  if (!whole) return;
+  const bool is_tight =
+      whole->width() < 360 && area_inside(rim_of(info)) > kMuch * whole->width() * whole->height();
+  if (halvings == 0 || is_tight || std::min(info.columns, info.rows) < 2 * kLeastPosts) {
+    found.push_back(*whole);
+    return;
+  }
+  const std::int64_t c = info.columns / 2, r = info.rows / 2;
+  for (const RasterInfo& quarter :
+       {part_of(info, 0, 0, c + 1, r + 1), part_of(info, c, 0, info.columns - c, r + 1),
+        part_of(info, 0, r, c + 1, info.rows - r), part_of(info, c, r, info.columns - c, info.rows - r)})
+    add_tight_bounds(quarter, halvings - 1, found);
+}
+
 }  // namespace
+
+void move_near(const GeoBounds& to, GeoBounds& moved) {
+  const double apart = (moved.west + moved.east) / 2 - (to.west + to.east) / 2;
+  const double turns = std::round(apart / 360) * 360;
+  moved.west -= turns;
+  moved.east -= turns;
+}
+
+std::vector<GeoBounds> tight_bounds(const RasterInfo& info, int halvings) {
+  if (is_regular(info.georeference)) return {info.bounds};
+  std::vector<GeoBounds> bounds;
+  add_tight_bounds(info, halvings, bounds);
+  for (GeoBounds& part : bounds) move_near(info.bounds, part);
+  return bounds;
+}
 
 Status place_raster(RasterInfo& info) {
   if (auto numbers = check_numbers(info); !numbers) return numbers;
+  if (auto crs = find_crs(info); !crs) return crs;
   Georeference& g = info.georeference;
-  if (g.crs == Georeference::Crs::geographic) {
+  if (is_regular(g)) {
     restore_decimals(g.x0, g.dx, info.columns);
     restore_decimals(g.y0, g.dy, info.rows);
     take_turns_away(info);
     info.bounds = geographic_bounds(info);
   } else {
-    const double c = static_cast<double>(info.columns - 1);
-    const double r = static_cast<double>(info.rows - 1);
-    for (const auto& [column, row] : {std::pair{0., 0.}, {c, 0.}, {0., r}, {c, r}}) {
-      if (auto corner = check_corner(info, column, row); !corner) return corner;
-    }
-    info.bounds = projected_bounds(info);
+    if (auto posts = check_posts(info); !posts) return posts;
+    const auto bounds = projected_bounds(info);
+    if (!bounds) return bounds.error();
+    info.bounds = *bounds;
   }
   const GeoBounds& b = info.bounds;
   if (!(b.south >= -90 - kPoleTolerance && b.north <= 90 + kPoleTolerance))
     return misplaced(info, fmt::format("expected latitudes in -90…90, found {}…{}", b.south, b.north));
-  if (!(b.width() <= 360 + g.dx && b.width() >= 0 && std::isfinite(b.west)))
+  const double spacing = is_regular(g) ? g.dx : 0.001;
+  if (!(b.width() <= 360 + spacing && b.width() >= 0 && std::isfinite(b.west)))
     return misplaced(info,
                      fmt::format("expected at most 360 degrees of longitude, found {}…{}", b.west, b.east));
   return {};

@@ -67,10 +67,9 @@ Status read_world_file(const fs::path& path, Georeference& g) {
   for (std::size_t i = 0; i < n.size(); ++i)
     if (!(in >> n[i]))
       return bad_data(fmt::format("{}: line {}: expected a number, found none", path.string(), i + 1));
-  if (n[1] != 0 || n[2] != 0)
-    return bad_data(fmt::format("{}: expected an image that is not turned, found a rotation ({}, {})",
-                                path.string(), n[1], n[2]));
   g.dx = n[0];
+  g.y_per_column = n[1];
+  g.x_per_row = n[2];
   g.dy = n[3];
   g.x0 = n[4];
   g.y0 = n[5];
@@ -123,15 +122,8 @@ bool set_utm_by_name(Georeference& g, const std::string& name) {
   return i + 1 == name.size() && (name[i] == 'N' || name[i] == 'S') && set_utm(g, zone, name[i] == 'N');
 }
 
-}  // namespace
-
-std::string_view name_of_wkt(std::string_view wkt) {
-  const std::size_t open = wkt.find('"');
-  if (open == std::string_view::npos) return "text that is no WKT";
-  return wkt.substr(open + 1, wkt.find('"', open + 1) - open - 1);
-}
-
-bool set_crs_of_wkt(Georeference& g, std::string_view wkt) {
+/// Whether the WKT is of a CRS that cairn computes itself, and then sets it.
+bool set_known_crs_of_wkt(Georeference& g, std::string_view wkt) {
   if (const int epsg = outermost_epsg(wkt); epsg != 0) return set_crs(g, epsg);
   std::string name = upper(std::string(name_of_wkt(wkt)));
   std::replace(name.begin(), name.end(), '_', ' ');
@@ -146,13 +138,27 @@ bool set_crs_of_wkt(Georeference& g, std::string_view wkt) {
   return set_utm_by_name(g, name);
 }
 
+}  // namespace
+
+std::string_view name_of_wkt(std::string_view wkt) {
+  const std::size_t open = wkt.find('"');
+  if (open == std::string_view::npos) return "text that is no WKT";
+  return wkt.substr(open + 1, wkt.find('"', open + 1) - open - 1);
+}
+
+bool set_crs_of_wkt(Georeference& g, std::string_view wkt) {
+  if (set_known_crs_of_wkt(g, wkt)) return true;
+  if (wkt.find('[') == std::string_view::npos) return false;
+  set_other_crs(g, std::string(wkt));
+  return true;
+}
+
 Status read_prj_beside(const fs::path& image, Georeference& g) {
   const auto prj = find_beside(image, {".prj"});
   if (!prj) return {};
   const std::string wkt = read_text(*prj);
   if (set_crs_of_wkt(g, wkt)) return {};
-  return bad_data(fmt::format("{}: CRS: expected geographic WGS84 or NAD83, UTM or Web Mercator, found {}",
-                              prj->string(), printable(name_of_wkt(wkt))));
+  return bad_data(fmt::format("{}: CRS: expected WKT, found {}", prj->string(), printable(name_of_wkt(wkt))));
 }
 
 Result<Georeference> place_beside(const fs::path& image, std::int64_t columns, std::int64_t rows,

@@ -17,8 +17,8 @@ Result<Georeference> georeference_beside(const std::filesystem::path& image, std
 Result<Georeference> place_beside(const std::filesystem::path& image, std::int64_t columns, std::int64_t rows,
                                   const OpenOptions& options, Georeference crs);
 
-/// Sets the CRS that a WKT text names (OGC's or ESRI's): by its EPSG code or its name. Returns whether it is
-/// one of cairn's.
+/// Sets the CRS that a WKT text defines (OGC's or ESRI's): one of cairn's by its EPSG code or its name, else
+/// another, which place_raster() finds. Returns false where the text is no WKT.
 bool set_crs_of_wkt(Georeference& georeference, std::string_view wkt);
 
 /// The name that a WKT text gives its CRS, for messages.

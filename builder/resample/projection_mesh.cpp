@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <utility>
 
 #include "format/simd_clones.h"
 
@@ -51,12 +53,22 @@ std::int64_t projection_mesh_step(double places_per_degree) {
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(places_per_degree / 16), 1, 16);
 }
 
-ProjectionMesh::ProjectionMesh(IndexWindow places, std::int64_t step, const Map& map)
-    : places_(places), step_(step), nodes_{nodes_around(places.x, step), nodes_around(places.y, step)} {
+ProjectionMesh::ProjectionMesh(IndexWindow places, std::int64_t step, double tolerance, Map map)
+    : places_(places),
+      step_(step),
+      map_(std::move(map)),
+      nodes_{nodes_around(places.x, step), nodes_around(places.y, step)},
+      cells_{{floor_divide(places.x.first, step), floor_divide(places.x.last, step)},
+             {floor_divide(places.y.first, step), floor_divide(places.y.last, step)}} {
   assert(step > 0);
+  if (step == 1) {
+    smooth_.assign(static_cast<std::size_t>(cells_.count()), false);
+    return;
+  }
   points_.reserve(static_cast<std::size_t>(nodes_.count()));
   for (std::int64_t y = nodes_.y.first; y <= nodes_.y.last; ++y) {
-    for (std::int64_t x = nodes_.x.first; x <= nodes_.x.last; ++x) points_.push_back(map(x * step, y * step));
+    for (std::int64_t x = nodes_.x.first; x <= nodes_.x.last; ++x)
+      points_.push_back(map_(x * step, y * step));
   }
   weights_.resize(static_cast<std::size_t>(4 * step));
   for (std::int64_t i = 0; i < step; ++i) {
@@ -64,6 +76,24 @@ ProjectionMesh::ProjectionMesh(IndexWindow places, std::int64_t step, const Map&
     for (std::size_t k = 0; k < 4; ++k)
       weights_[k * static_cast<std::size_t>(step) + static_cast<std::size_t>(i)] = at[k];
   }
+  for (std::int64_t y = cells_.y.first; y <= cells_.y.last; ++y) {
+    for (std::int64_t x = cells_.x.first; x <= cells_.x.last; ++x)
+      smooth_.push_back(is_smooth(x, y, tolerance));
+  }
+}
+
+// Not finite nodes make the sum not finite, which no tolerance holds.
+bool ProjectionMesh::is_smooth(std::int64_t cell_x, std::int64_t cell_y, double tolerance) const {
+  const std::int64_t x = cell_x * step_ + step_ / 2, y = cell_y * step_ + step_ / 2;
+  const Stencil across = stencil_of(x), up = stencil_of(y);
+  PlanePoint sum;
+  for (std::int64_t r = 0; r < 4; ++r) {
+    const PlanePoint line = combine(across.weights, &points_[nodes_.offset(across.first, up.first + r)], 1);
+    sum.x += up.weights[static_cast<std::size_t>(r)] * line.x;
+    sum.y += up.weights[static_cast<std::size_t>(r)] * line.y;
+  }
+  const PlanePoint exact = map_(x, y);
+  return std::abs(sum.x - exact.x) <= tolerance && std::abs(sum.y - exact.y) <= tolerance;
 }
 
 ProjectionMesh::Stencil ProjectionMesh::stencil_of(std::int64_t place) const {
@@ -74,19 +104,27 @@ ProjectionMesh::Stencil ProjectionMesh::stencil_of(std::int64_t place) const {
 void ProjectionMesh::row(std::int64_t y, std::span<PlanePoint> out) const {
   assert(places_.y.holds(y) && out.size() == static_cast<std::size_t>(places_.x.count()));
   static_assert(sizeof(PlanePoint) == 2 * sizeof(double));
-  const Stencil up = stencil_of(y);
+  const std::int64_t cell_y = floor_divide(y, step_);
   const auto columns = static_cast<std::size_t>(nodes_.x.count());
   std::vector<PlanePoint> nodes(columns);
-  const PlanePoint* corner = &points_[nodes_.offset(nodes_.x.first, up.first)];
-  for (std::size_t c = 0; c < columns; ++c) nodes[c] = combine(up.weights, corner + c, columns);
+  if (step_ > 1) {
+    const Stencil up = stencil_of(y);
+    const PlanePoint* corner = &points_[nodes_.offset(nodes_.x.first, up.first)];
+    for (std::size_t c = 0; c < columns; ++c) nodes[c] = combine(up.weights, corner + c, columns);
+  }
   const auto step = static_cast<std::size_t>(step_);
   for (std::int64_t x = places_.x.first; x <= places_.x.last;) {
     const std::int64_t below = floor_divide(x, step_),
                        next = std::min((below + 1) * step_, places_.x.last + 1);
-    combine_run(&weights_[static_cast<std::size_t>(x - below * step_)], step,
-                &nodes[static_cast<std::size_t>(below - 1 - nodes_.x.first)],
-                static_cast<std::size_t>(next - x), &out[static_cast<std::size_t>(x - places_.x.first)].x);
-    x = next;
+    PlanePoint* to = &out[static_cast<std::size_t>(x - places_.x.first)];
+    if (smooth_[cells_.offset(below, cell_y)]) {
+      combine_run(&weights_[static_cast<std::size_t>(x - below * step_)], step,
+                  &nodes[static_cast<std::size_t>(below - 1 - nodes_.x.first)],
+                  static_cast<std::size_t>(next - x), &to->x);
+      x = next;
+    } else {
+      for (; x < next; ++x) *to++ = map_(x, y);
+    }
   }
 }
 

@@ -68,6 +68,16 @@ std::vector<float> complete_posts(const Raster& raster, IndexWindow window) {
   return out;
 }
 
+// Which posts of the window the raster has.
+std::vector<std::uint8_t> posts_of(const Raster& raster, IndexWindow window) {
+  std::vector<std::uint8_t> has;
+  for (std::int64_t y = window.y.first; y <= window.y.last; ++y) {
+    for (std::int64_t x = window.x.first; x <= window.x.last; ++x)
+      has.push_back(raster.window.x.holds(x) && raster.window.y.holds(y) ? 1 : 0);
+  }
+  return has;
+}
+
 struct TileAt {
   std::int64_t x = 0;
   std::int64_t y = 0;
@@ -96,7 +106,7 @@ TileAt tile_of(double x, double y) {
 using Surface = std::map<TileAt, std::vector<float>>;
 
 Surface resampled(const Raster& raster, double samples_per_degree, double tolerance) {
-  const ProjectedResampler resampler(raster.georeference, samples_per_degree);
+  const ProjectedResampler resampler(raster.georeference, raster.window, samples_per_degree);
   Surface tiles;
   for (std::int64_t row = 0; row <= raster.window.y.last; ++row) {
     for (std::int64_t column = 0; column <= raster.window.x.last; ++column) {
@@ -107,11 +117,13 @@ Surface resampled(const Raster& raster, double samples_per_degree, double tolera
   double most_rounds = 0, worst = 0, cubic = 0, seconds = 0;
   for (auto& [tile, samples] : tiles) {
     const IndexWindow window = window_of(tile);
-    const std::vector<float> posts = complete_posts(raster, resampler.posts_for(window));
+    const SamplePositions positions = resampler.positions_of(window);
+    const std::vector<float> posts = complete_posts(raster, positions.posts);
+    const std::vector<std::uint8_t> fitted = posts_of(raster, positions.posts);
     samples.resize(static_cast<std::size_t>(window.count()));
-    cubic = std::max(cubic, resampler.resample(posts, window, 1e9, samples).worst_residual_m);
+    cubic = std::max(cubic, resampler.resample(posts, fitted, positions, 1e9, samples, {}).worst_residual_m);
     const double start = thread_seconds();
-    const auto fit = resampler.resample(posts, window, tolerance, samples);
+    const auto fit = resampler.resample(posts, fitted, positions, tolerance, samples, {});
     seconds += thread_seconds() - start;
     most_rounds = std::max(most_rounds, static_cast<double>(fit.rounds));
     worst = std::max(worst, fit.worst_residual_m);

@@ -1,6 +1,5 @@
-// What the other readers cannot open, through GDAL: VRT, ASCII grids, ENVI, netCDF … A raster in one of
-// cairn's CRSs is read as it is; one in another, or turned, is warped to WGS84 on the fly (cubic), which
-// moves its posts.
+// What the other readers cannot open, through GDAL: VRT, ASCII grids, ENVI, netCDF … Posts are read as they
+// are stored; GDAL says the CRS and the place of the raster in it, and warps nothing.
 #include <cstdlib>
 #include <exception>
 #include <functional>
@@ -15,7 +14,6 @@
 #include <cpl_error.h>
 #include <fmt/format.h>
 #include <gdal.h>
-#include <gdal_utils.h>
 #include <ogr_srs_api.h>
 
 #include "builder/raster/colour_encoding.h"
@@ -102,57 +100,46 @@ bool set_known_crs(GDALDatasetH dataset, Georeference& g) {
   return near && (projected ? set_utm(g, zone, north != 0) : true);
 }
 
-/// The source's dataset as a virtual one in WGS84. Heights become float with NaN voids; images gain an alpha
-/// band.
-Dataset warped(GDALDatasetH source) {
-  const bool heights = GDALGetRasterCount(source) == 1;
-  std::vector<const char*> words = {"-of", "VRT", "-t_srs", "EPSG:4326", "-r", "cubic", "-et", "0"};
-  if (heights) words.insert(words.end(), {"-ot", "Float32", "-dstnodata", "nan"});
-  if (!heights) words.push_back("-dstalpha");
-  words.push_back(nullptr);
-  GDALWarpAppOptions* options = GDALWarpAppOptionsNew(const_cast<char**>(words.data()), nullptr);
-  GDALDatasetH sources[] = {source};
-  Dataset result(GDALWarp("", nullptr, 1, sources, options, nullptr));
-  GDALWarpAppOptionsFree(options);
-  return result;
+/// The CRS as WKT, for PROJ. A raster's own order of axes is east, north, whatever the CRS says.
+bool set_crs_by_wkt(GDALDatasetH dataset, Georeference& g) {
+  const char* const options[] = {"FORMAT=WKT2_2019", nullptr};
+  char* text = nullptr;
+  const bool exported =
+      OSRExportToWktEx(GDALGetSpatialRef(dataset), &text, options) == OGRERR_NONE && text != nullptr;
+  if (exported) set_other_crs(g, text);
+  CPLFree(text);
+  return exported;
 }
 
-/// A dataset, and the one below it where it is warped, which must outlive it.
-struct Opened {
-  Dataset source;
-  Dataset warp;
-  Georeference georeference;
-
-  GDALDatasetH get() const { return warp ? warp.get() : source.get(); }
-};
-
-bool place_by_transform(GDALDatasetH dataset, Georeference& g) {
-  double t[6];
-  if (GDALGetGeoTransform(dataset, t) != CE_None || t[2] != 0 || t[4] != 0) return false;
+void place_by_transform(const double* t, Georeference& g) {
   g.dx = t[1];
+  g.x_per_row = t[2];
+  g.y_per_column = t[4];
   g.dy = t[5];
-  g.x0 = t[0] + t[1] / 2;
-  g.y0 = t[3] + t[5] / 2;
-  return true;
+  g.x0 = t[0] + (t[1] + t[2]) / 2;
+  g.y0 = t[3] + (t[4] + t[5]) / 2;
 }
+
+struct Opened {
+  Dataset dataset;
+  Georeference georeference;
+};
 
 Result<Opened> open_dataset(const fs::path& path) {
   Opened opened;
-  opened.source.reset(GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
-  if (!opened.source || GDALGetRasterCount(opened.source.get()) < 1)
+  opened.dataset.reset(
+      GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+  GDALDatasetH dataset = opened.dataset.get();
+  if (dataset == nullptr || GDALGetRasterCount(dataset) < 1)
     return bad_data(path.string() + ": expected a raster, found: " + Quiet::reason());
-  double ignored[6];
-  if (GDALGetGeoTransform(opened.source.get(), ignored) != CE_None)
+  double transform[6];
+  if (GDALGetGeoTransform(dataset, transform) != CE_None)
     return bad_data(path.string() + ": georeference: expected one, found none");
-  if (set_known_crs(opened.source.get(), opened.georeference) &&
-      place_by_transform(opened.source.get(), opened.georeference))
+  place_by_transform(transform, opened.georeference);
+  if (set_known_crs(dataset, opened.georeference) || set_crs_by_wkt(dataset, opened.georeference))
     return opened;
-  opened.warp = warped(opened.source.get());
-  opened.georeference = {};
-  if (!opened.warp || !place_by_transform(opened.warp.get(), opened.georeference))
-    return bad_data(path.string() +
-                    ": CRS: expected one that can be warped to WGS84, found: " + Quiet::reason());
-  return opened;
+  return bad_data(path.string() +
+                  ": CRS: expected one that can be written as WKT, found: " + Quiet::reason());
 }
 
 class GdalSource final : public RasterSource {
@@ -184,7 +171,7 @@ Status GdalSource::read_band(GDALRasterBandH band, const PostWindow& w, GDALData
 /// Calls back for pixels that a mask or an alpha band leaves out.
 Status GdalSource::apply_mask(const PostWindow& window,
                               const std::function<void(std::size_t)>& absent) const {
-  GDALRasterBandH band = GDALGetRasterBand(opened_.get(), 1);
+  GDALRasterBandH band = GDALGetRasterBand(opened_.dataset.get(), 1);
   if ((GDALGetMaskFlags(band) & GMF_PER_DATASET) == 0) return {};
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(window.columns * window.rows));
   if (auto read = read_band(GDALGetMaskBand(band), window, GDT_Byte, mask.data()); !read) return read;
@@ -196,7 +183,7 @@ Status GdalSource::apply_mask(const PostWindow& window,
 Status GdalSource::read_heights(const PostWindow& window, std::span<float> out) const {
   const Quiet quiet;
   const std::lock_guard lock(mutex_);
-  GDALRasterBandH band = GDALGetRasterBand(opened_.get(), 1);
+  GDALRasterBandH band = GDALGetRasterBand(opened_.dataset.get(), 1);
   std::vector<std::byte> samples(static_cast<std::size_t>(window.columns * window.rows) *
                                  size_of(info_.type));
   if (auto read = read_band(band, window, GDALGetRasterDataType(band), samples.data()); !read) return read;
@@ -218,7 +205,7 @@ Status GdalSource::read_colours(const PostWindow& window, std::span<std::uint8_t
   ColourAssembly assembly(colours, rgba);
   std::vector<std::byte> samples(rgba.size() / 4 * size_of(info_.type));
   for (const int channel : colours.channels) {
-    GDALRasterBandH band = GDALGetRasterBand(opened_.get(), channel + 1);
+    GDALRasterBandH band = GDALGetRasterBand(opened_.dataset.get(), channel + 1);
     if (auto read = read_band(band, window, GDALGetRasterDataType(band), samples.data()); !read) return read;
     assembly.add(channel, 0, rgba.size() / 4, samples.data(), 1);
   }
@@ -264,20 +251,20 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path) {
   const Quiet quiet;
   auto opened = open_dataset(path);
   if (!opened) return opened.error();
-  const auto encoding = encoding_of(opened->get(), path);
+  const auto encoding = encoding_of(opened->dataset.get(), path);
   if (!encoding) return encoding.error();
   RasterInfo info;
   info.path = path;
-  info.format = std::string("gdal ") + GDALGetDriverShortName(GDALGetDatasetDriver(opened->source.get()));
-  info.columns = GDALGetRasterXSize(opened->get());
-  info.rows = GDALGetRasterYSize(opened->get());
-  info.bands = GDALGetRasterCount(opened->get());
+  info.format = std::string("gdal ") + GDALGetDriverShortName(GDALGetDatasetDriver(opened->dataset.get()));
+  info.columns = GDALGetRasterXSize(opened->dataset.get());
+  info.rows = GDALGetRasterYSize(opened->dataset.get());
+  info.bands = GDALGetRasterCount(opened->dataset.get());
   info.type = encoding->type;
   info.whole_metres = encoding->whole_metres();
   info.georeference = opened->georeference;
   info.nodata = encoding->nodata;
   if (auto placed = place_raster(info); !placed) return placed.error();
-  if (auto last = check_last_row(opened->source.get(), path); !last) return last.error();
+  if (auto last = check_last_row(opened->dataset.get(), path); !last) return last.error();
   std::unique_ptr<RasterSource> source =
       std::make_unique<GdalSource>(std::move(info), std::move(*opened), *encoding);
   return source;

@@ -1,6 +1,7 @@
 #include "builder/raster/tiff/geotiff_tags.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -57,8 +58,7 @@ std::string crs_name(const GeoTiffTags& tags) {
 }
 
 Error unknown_crs(const GeoTiffTags& tags, const std::filesystem::path& path) {
-  return bad_data(fmt::format("{}: CRS: expected geographic WGS84 or NAD83, UTM or Web Mercator, found {}",
-                              path.string(), crs_name(tags)));
+  return bad_data(fmt::format("{}: CRS: expected an EPSG code, found {}", path.string(), crs_name(tags)));
 }
 
 /// Whether the datum, in whatever way it is written, is one that cairn takes for WGS84.
@@ -98,9 +98,9 @@ Status check_units(const GeoTiffTags& tags, const std::filesystem::path& path, b
   return {};
 }
 
-/// Raster coordinates (i, j) to the CRS: x = a·i + b, y = d·j + e.
+/// Raster coordinates (i, j) to the CRS: x = a·i + b·j + c, y = d·i + e·j + f.
 struct Affine {
-  double a = 0, b = 0, d = 0, e = 0;
+  double a = 0, b = 0, c = 0, d = 0, e = 0, f = 0;
 };
 
 Result<Affine> affine_of(const GeoTiffTags& tags, const std::filesystem::path& path) {
@@ -109,9 +109,7 @@ Result<Affine> affine_of(const GeoTiffTags& tags, const std::filesystem::path& p
   };
   if (tags.transformation.size() >= 8) {
     const auto& m = tags.transformation;
-    if (m[1] != 0 || m[4] != 0)
-      return bad(fmt::format("expected a raster that is not turned, found a rotation ({}, {})", m[1], m[4]));
-    return Affine{m[0], m[3], m[5], m[7]};
+    return Affine{m[0], m[1], m[3], m[4], m[5], m[7]};
   }
   if (tags.tiepoints.size() < 6) return bad("expected tie points or a transformation, found none");
   if (tags.pixel_scale.size() < 2)
@@ -119,7 +117,7 @@ Result<Affine> affine_of(const GeoTiffTags& tags, const std::filesystem::path& p
         fmt::format("expected a pixel scale, found none beside {} tie points", tags.tiepoints.size() / 6));
   const auto& t = tags.tiepoints;
   const double sx = tags.pixel_scale[0], sy = tags.pixel_scale[1];
-  return Affine{sx, t[3] - t[0] * sx, -sy, t[4] + t[1] * sy};
+  return Affine{sx, 0, t[3] - t[0] * sx, 0, -sy, t[4] + t[1] * sy};
 }
 
 std::optional<double> parse_number(std::string_view s) {
@@ -130,23 +128,16 @@ std::optional<double> parse_number(std::string_view s) {
   return error == std::errc() && end == s.data() + s.size() ? std::optional(value) : std::nullopt;
 }
 
-/// Metres of the vertical CRS's unit; 0 where it is unknown or counts downwards.
+/// Metres of the vertical CRS's unit; 0 where it counts downwards. A code that is no vertical CRS's (of a
+/// datum, of an ellipsoid) says nothing of the unit, which then is the metre.
 double metres_of_vertical_keys(const GeoTiffTags& tags) {
   const int unit = key(tags, kVerticalUnits);
   if (unit != 0 && unit != kUserDefined) return metres_of_unit(unit);
-  switch (key(tags, kVerticalType)) {
-    case 5702:  // NGVD29 and NAVD88 heights in US survey feet
-    case 6360:
-      return metres_of_unit(9003);
-    case 8228:
-      return metres_of_unit(9002);  // NAVD88 height (ft)
-    case 5715:                      // depths
-    case 6357:
-    case 6358:
-      return 0;
-    default:
-      return 1;
-  }
+  const int crs = key(tags, kVerticalType);
+  constexpr std::array kMetreCodes = {0,    kUserDefined, 3855,
+                                      5701, 5703,         5773};  // the commonest, known without PROJ
+  if (std::find(kMetreCodes.begin(), kMetreCodes.end(), crs) != kMetreCodes.end()) return 1;
+  return metres_of_vertical_crs(crs).value_or(1);
 }
 
 }  // namespace
@@ -189,18 +180,25 @@ GeoTiffTags read_geotiff_tags(const TiffHandle& handle) {
 }
 
 Status read_crs(const GeoTiffTags& tags, const std::filesystem::path& path, Georeference& g) {
-  const int model = key(tags, kModelType), projected = key(tags, kProjectedType);
+  const int model = key(tags, kModelType), projected = key(tags, kProjectedType),
+            geographic = key(tags, kGeographicType);
+  const auto has_code = [](int code) { return code != 0 && code != kUserDefined; };
   if (model == kProjected || (model == 0 && projected != 0)) {
-    const bool spelt_out = projected == 0 || projected == kUserDefined;
-    const bool known = spelt_out ? has_known_datum(tags) && set_user_defined_utm(tags, g)
-                                 : set_crs(g, projected) && g.crs != Georeference::Crs::geographic;
-    if (!known) return unknown_crs(tags, path);
-    return check_units(tags, path, true);
+    const bool known = has_code(projected) ? set_crs(g, projected) && g.crs != Georeference::Crs::geographic
+                                           : has_known_datum(tags) && set_user_defined_utm(tags, g);
+    if (known) return check_units(tags, path, true);
+    if (!has_code(projected)) return unknown_crs(tags, path);
+    set_other_crs(g, fmt::format("EPSG:{}", projected));
+    return {};
   }
   if (model != 0 && model != kGeographic) return unknown_crs(tags, path);
-  if (!has_known_datum(tags)) return unknown_crs(tags, path);
-  g.crs = Georeference::Crs::geographic;
-  return check_units(tags, path, false);
+  if (has_known_datum(tags)) {
+    g.crs = Georeference::Crs::geographic;
+    return check_units(tags, path, false);
+  }
+  if (!has_code(geographic)) return unknown_crs(tags, path);
+  set_other_crs(g, fmt::format("EPSG:{}", geographic));
+  return {};
 }
 
 Result<Georeference> georeference_of(const GeoTiffTags& tags, const std::filesystem::path& path) {
@@ -209,10 +207,12 @@ Result<Georeference> georeference_of(const GeoTiffTags& tags, const std::filesys
   const auto affine = affine_of(tags, path);
   if (!affine) return affine.error();
   const double centre = key(tags, kRasterType) == kPixelIsPoint ? 0 : 0.5;
-  g.x0 = affine->a * centre + affine->b;
-  g.y0 = affine->d * centre + affine->e;
+  g.x0 = (affine->a + affine->b) * centre + affine->c;
+  g.y0 = (affine->d + affine->e) * centre + affine->f;
   g.dx = affine->a;
-  g.dy = affine->d;
+  g.dy = affine->e;
+  g.x_per_row = affine->b;
+  g.y_per_column = affine->d;
   return g;
 }
 

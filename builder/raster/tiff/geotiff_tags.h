@@ -35,11 +35,12 @@ GeoTiffTags read_geotiff_tags(const TiffHandle& handle);
 void parse_geo_keys(std::span<const std::uint16_t> directory, std::span<const double> doubles,
                     std::string_view ascii, GeoTiffTags& tags);
 
-/// The CRS alone, onto `georeference`: by the keys, else geographic. bad_data where it is none of cairn's.
+/// The CRS alone, onto `georeference`: by the keys, else geographic. A code of a CRS that cairn does not
+/// compute itself is set for place_raster() to find; bad_data where there is no code (naming what there is).
 Status read_crs(const GeoTiffTags& tags, const std::filesystem::path& path, Georeference& georeference);
 
 /// The posts' places. Pixel-is-area and pixel-is-point are told apart: x0, y0 are the first post's own.
-/// bad_data where the CRS is none of cairn's (naming it), the raster is turned, or numbers are missing.
+/// bad_data as read_crs() says, or where numbers are missing.
 Result<Georeference> georeference_of(const GeoTiffTags& tags, const std::filesystem::path& path);
 
 /// How samples become metres by the tags: the vertical unit, and GDAL's scale, offset and unit of band 1.

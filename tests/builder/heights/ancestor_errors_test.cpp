@@ -63,6 +63,18 @@ double worst_post(const HeightTile& tile, const MeasuredPosts& posts, int step) 
   return worst;
 }
 
+// The posts one by one.
+MeasuredPosts scattered(const MeasuredPosts& lattice) {
+  MeasuredPosts posts;
+  for (std::size_t j = 0; j < lattice.ys.size(); ++j) {
+    for (std::size_t i = 0; i < lattice.xs.size(); ++i) {
+      const float height = lattice.heights[j * lattice.xs.size() + i];
+      if (!std::isnan(height)) posts.placed.push_back({lattice.xs[i], lattice.ys[j], height, 1});
+    }
+  }
+  return posts;
+}
+
 double worst_sample(const HeightTile& tile, int step) {
   double worst = 0;
   for (int r = 0; r < kSize; ++r) {
@@ -90,10 +102,15 @@ TEST_CASE("the errors of ancestors are those that looking at every post and samp
       for (const double spacing : {0.6, 1.0, 1.7, 9.1}) {
         const HeightTile tile = rough_tile(random, roughness);
         const std::vector<MeasuredPosts> posts{posts_near(tile, spacing, error_m, random)};
+        const std::vector<MeasuredPosts> placed{scattered(posts.front())};
         const AncestorErrors errors(tile, kQuantum, posts, own_errors(tile, posts.front()));
+        const AncestorErrors of_placed(tile, kQuantum, placed, own_errors(tile, placed.front()));
         for (int up = 1; up <= 6; ++up) {
           CAPTURE(roughness, error_m, spacing, up);
           const double of_posts = worst_post(tile, posts.front(), 1 << up);
+          REQUIRE(of_placed.max_m(up) == errors.max_m(up));
+          REQUIRE(of_placed.any_post_beyond(up, of_posts * 0.999 - 1e-6));
+          REQUIRE_FALSE(of_placed.any_post_beyond(up, of_posts * 1.001 + 1e-6));
           REQUIRE(errors.max_m(up) ==
                   Approx(std::max(of_posts, worst_sample(tile, 1 << up))).epsilon(1e-9).margin(1e-9));
           REQUIRE(errors.any_post_beyond(up, of_posts * 0.999 - 1e-6));
@@ -151,17 +168,14 @@ TEST_CASE("the quick ways to measure a copy of its posts count what the slow way
   REQUIRE(stats.max() == 0.25);
 }
 
-TEST_CASE("tiles with voids, impossible heights or scattered posts are not measured this way") {
+TEST_CASE("tiles with voids or impossible heights are not measured this way") {
   HeightTile tile{kSize, std::vector<std::int32_t>(std::size_t{kSize} * kSize, 0), {}};
-  REQUIRE(AncestorErrors::can_measure(tile, {}));
+  REQUIRE(AncestorErrors::can_measure(tile));
   tile.samples[5] = (1 << 24) + 1;
-  REQUIRE_FALSE(AncestorErrors::can_measure(tile, {}));
+  REQUIRE_FALSE(AncestorErrors::can_measure(tile));
   tile.samples[5] = 0;
-  std::vector<MeasuredPosts> scattered(1);
-  scattered.front().placed.push_back({1, 1, 0, 1});
-  REQUIRE_FALSE(AncestorErrors::can_measure(tile, scattered));
   tile.voids.assign(tile.samples.size(), 0);
-  REQUIRE_FALSE(AncestorErrors::can_measure(tile, {}));
+  REQUIRE_FALSE(AncestorErrors::can_measure(tile));
 }
 
 }  // namespace cairn

@@ -250,7 +250,39 @@ TEST_CASE("UTM north and south, spelt by code or by parameters, and Web Mercator
   CHECK(crs_of({{1024, 1}, {3072, 3857}}).crs == Georeference::Crs::web_mercator);
 }
 
-TEST_CASE("Any other CRS is refused by its name") {
+TEST_CASE("Any other CRS with a code is found by PROJ") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.tif";
+  TiffRecipe recipe;
+  recipe.pixel_scale = {30, 30, 0};
+  recipe.tiepoint = {0, 0, 0, 400000, 200000, 0};
+  recipe.keys = {{1024, 1}, {3072, 27700}, {4096, 5701}};
+  write_tiff(path, recipe);
+  const Georeference osgb = opened(path)->info().georeference;
+  CHECK(osgb.crs == Georeference::Crs::other);
+  REQUIRE(osgb.transform != nullptr);
+  CHECK(osgb.transform->name() == "OSGB36 / British National Grid");
+  CHECK(osgb.transform->metres_of_unit() == 1);
+  CHECK(osgb.place_of(-0.5, -0.5).lon ==
+        Approx(-2.00175).margin(1e-4));  // the grid's central meridian, moved to WGS84
+  recipe.keys = {{1024, 1}, {3072, 2231}};
+  recipe.tiepoint = {0, 0, 0, 3000000, 1700000, 0};
+  write_tiff(path, recipe);
+  CHECK(opened(path)->info().georeference.transform->metres_of_unit() == Approx(1200.0 / 3937));
+  recipe.pixel_scale = {0.01, 0.01, 0};
+  recipe.tiepoint = {0, 0, 0, -100, 40, 0};
+  recipe.keys = {{1024, 2}, {2048, 4267}};  // NAD27
+  write_tiff(path, recipe);
+  CHECK(opened(path)->info().georeference.crs == Georeference::Crs::other);
+  recipe.tiepoint = {0, 0, 0, 145, -35, 0};
+  recipe.keys = {{1024, 2}, {2048, 7844}};  // GDA2020, for PROJ equal to WGS84
+  write_tiff(path, recipe);
+  const Georeference gda = opened(path)->info().georeference;
+  CHECK(gda.crs == Georeference::Crs::geographic);
+  CHECK(gda.transform == nullptr);
+}
+
+TEST_CASE("A CRS that neither the keys nor PROJ know is refused by its name") {
   const TempDir folder;
   const auto path = folder.path() / "x.tif";
   TiffRecipe recipe;
@@ -264,10 +296,8 @@ TEST_CASE("Any other CRS is refused by its name") {
     write_tiff(path, recipe);
     return opening_complaint(path);
   };
-  CHECK(contains(complaint({{1024, 1}, {3072, 27700}}, "OSGB36 / British National Grid"),
-                 "EPSG:27700 (OSGB36 / British National Grid)"));
-  CHECK(contains(complaint({{1024, 2}, {2048, 4267}}, "NAD27"), "EPSG:4267 (NAD27)"));
-  CHECK(contains(complaint({{1024, 2}, {2048, 4322}}, ""), "EPSG:4322"));
+  CHECK(contains(complaint({{1024, 1}, {3072, 27701}}, "no grid"), "EPSG:27701"));
+  CHECK(contains(complaint({{1024, 2}, {2048, 4000}}, ""), "EPSG:4000"));
   CHECK(contains(complaint({{1024, 3}, {2048, 4326}}, ""), "EPSG:4326"));
   CHECK(contains(complaint({{1024, 1}, {2048, 4326}, {3072, 32767}, {3075, 8}}, "Lambert"),
                  "user-defined CRS (Lambert)"));
@@ -277,7 +307,22 @@ TEST_CASE("Any other CRS is refused by its name") {
   CHECK(contains(complaint({{1024, 2}, {2048, 4326}, {2054, 9101}}, ""), "EPSG:9101"));
 }
 
-TEST_CASE("A GeoTIFF without a place, turned, off the Earth or larger than its file is refused") {
+TEST_CASE("A turned GeoTIFF lies where its transformation says") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.tif";
+  TiffRecipe recipe;
+  recipe.transformation = {0.01, 0.002, 0, 10, 0.003, -0.01, 0, 50, 0, 0, 0, 0, 0, 0, 0, 1};
+  write_tiff(path, recipe);
+  const Georeference g = opened(path)->info().georeference;
+  CHECK_FALSE(g.is_straight());
+  CHECK(g.place_of(7, 4).lon == Approx(10 + 0.01 * 7.5 + 0.002 * 4.5));
+  CHECK(g.place_of(7, 4).lat == Approx(50 + 0.003 * 7.5 - 0.01 * 4.5));
+  const auto post = g.post_at(g.place_of(7, 4));
+  CHECK(post.column == Approx(7));
+  CHECK(post.row == Approx(4));
+}
+
+TEST_CASE("A GeoTIFF without a place, off the Earth or larger than its file is refused") {
   const TempDir folder;
   const auto path = folder.path() / "x.tif";
   const auto complaint = [&](auto change) {
@@ -294,9 +339,9 @@ TEST_CASE("A GeoTIFF without a place, turned, off the Earth or larger than its f
   CHECK(contains(complaint([](TiffRecipe& r) { r.tiepoint.clear(); }), "world file"));
   CHECK(contains(complaint([](TiffRecipe& r) { r.pixel_scale.clear(); }), "pixel scale"));
   CHECK(contains(complaint([](TiffRecipe& r) {
-                   r.transformation = {1, 0.5, 0, 0, 0.5, -1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
+                   r.transformation = {1, -2, 0, 0, 0.5, -1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
                  }),
-                 "rotation"));
+                 "spacing"));
   CHECK(contains(complaint([](TiffRecipe& r) { r.tiepoint[4] = 91; }), "-90…90"));
   CHECK(contains(complaint([](TiffRecipe& r) { r.pixel_scale = {0, 0.01, 0}; }), "spacing"));
   CHECK(contains(complaint([](TiffRecipe& r) { r.pixel_scale = {NAN, 0.01, 0}; }), "spacing"));

@@ -55,11 +55,20 @@ std::vector<float> heights_of(IndexWindow posts, const Height& height) {
   return heights;
 }
 
+// Of a raster that goes on far beyond the window.
+ProjectedResampler resampler_of(const Case& c) {
+  const auto middle = c.georeference.post_at(c.middle);
+  const auto column = static_cast<std::int64_t>(middle.column), row = static_cast<std::int64_t>(middle.row);
+  return {c.georeference, {{column - 1000, column + 1000}, {row - 1000, row + 1000}}, c.samples_per_degree};
+}
+
 std::vector<float> resampled(const Case& c, IndexWindow window, const Height& height, double tolerance) {
-  const ProjectedResampler resampler(c.georeference, c.samples_per_degree);
+  const ProjectedResampler resampler = resampler_of(c);
   std::vector<float> out(static_cast<std::size_t>(window.count()));
-  const auto fit =
-      resampler.resample(heights_of(resampler.posts_for(window), height), window, tolerance, out);
+  const SamplePositions positions = resampler.positions_of(window);
+  const std::vector<float> heights = heights_of(positions.posts, height);
+  const std::vector<std::uint8_t> fitted(heights.size(), 1);
+  const auto fit = resampler.resample(heights, fitted, positions, tolerance, out, {});
   CHECK(fit.worst_residual_m <= tolerance);
   return out;
 }
@@ -67,7 +76,7 @@ std::vector<float> resampled(const Case& c, IndexWindow window, const Height& he
 // The largest error at posts whose square lies in the window, by the projection itself.
 double worst_post_error(const Case& c, IndexWindow window, const std::vector<float>& samples,
                         const Height& height, int& met) {
-  const IndexWindow posts = ProjectedResampler(c.georeference, c.samples_per_degree).posts_for(window);
+  const IndexWindow posts = resampler_of(c).positions_of(window).posts;
   double worst = 0;
   for (std::int64_t row = posts.y.first; row <= posts.y.last; ++row) {
     for (std::int64_t column = posts.x.first; column <= posts.x.last; ++column) {
@@ -98,9 +107,7 @@ TEST_CASE("the surface meets every post of a projected raster within the toleran
     for (double tolerance : {0.05, 0.002}) {
       CAPTURE(c.name, tolerance);
       const IndexWindow window = window_at(c, 200);
-      CHECK(ProjectedResampler(c.georeference, c.samples_per_degree)
-                .is_well_conditioned(
-                    ProjectedResampler(c.georeference, c.samples_per_degree).posts_for(window)));
+      CHECK(resampler_of(c).is_well_conditioned());
       int met = 0;
       const auto samples = resampled(c, window, rugged, tolerance);
       // Places come from a mesh that is good to 1e-4 post, on slopes of 300 m a post.
@@ -142,8 +149,8 @@ TEST_CASE("posts a degree are counted along the closer axis, and too coarse a le
   const Georeference utm{Georeference::Crs::utm, 11, true, 376328.7, 3807902.8, 30, -30};
   const IndexWindow posts{{0, 1196}, {0, 642}};
   CHECK(posts_per_degree(utm, posts) == Approx(3697).margin(5));  // 30 m of latitude at 34° N
-  CHECK(ProjectedResampler(utm, 4096).is_well_conditioned(posts));
-  CHECK_FALSE(ProjectedResampler(utm, 3700).is_well_conditioned(posts));
+  CHECK(ProjectedResampler(utm, posts, 4096).is_well_conditioned());
+  CHECK_FALSE(ProjectedResampler(utm, posts, 3700).is_well_conditioned());
   const Georeference degrees{Georeference::Crs::geographic, 0, true, 8, 47, 1 / 1200.0, -1 / 600.0};
   CHECK(posts_per_degree(degrees, posts) == Approx(1200));
 }

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "cairn/geo.h"
+#include "cairn/status.h"
+
+namespace cairn {
+
+/// The plane of a CRS against longitude and latitude on WGS84, by one operation of PROJ. Safe to call from
+/// several threads at once.
+class CrsTransform {
+ public:
+  virtual ~CrsTransform() = default;
+
+  /// In place: coordinates of the CRS, east in `lon` and north in `lat`, in its own unit, become degrees;
+  /// longitudes lie in -180…180. Both numbers of a place that the CRS does not have become infinite.
+  virtual void to_degrees(std::span<LonLat> places) const = 0;
+
+  /// The inverse.
+  virtual void from_degrees(std::span<LonLat> places) const = 0;
+
+  /// What the operation is called, for a report: "Inverse of British National Grid + OSGB36 to WGS 84 (6)".
+  const std::string& operation() const { return operation_; }
+  /// The CRS's name, without its vertical part.
+  const std::string& name() const { return name_; }
+  /// Whether the CRS is one of longitude and latitude in degrees.
+  bool is_geographic() const { return is_geographic_; }
+  /// Metres of the plane's unit; 0 where it is an angle.
+  double metres_of_unit() const { return metres_of_unit_; }
+
+ protected:
+  std::string operation_;
+  std::string name_;
+  bool is_geographic_ = false;
+  double metres_of_unit_ = 0;
+};
+
+/// The transform of a CRS: `definition` is whatever PROJ takes, "EPSG:2154" or WKT. A vertical part is left
+/// out, so the plane is transformed as a plane. Of several datum operations the one is chosen that PROJ ranks
+/// first at (x, y), a place of the raster in the CRS. Equal operations are one object, so they can be
+/// compared by address. bad_data says why PROJ has none ("CRS: expected …"), without a file's name.
+Result<std::shared_ptr<const CrsTransform>> open_crs(const std::string& definition, double x, double y);
+
+/// Metres of a vertical CRS's unit; 0 where it counts downwards, nullopt where PROJ has no such CRS.
+std::optional<double> metres_of_vertical_crs(int epsg);
+
+}  // namespace cairn
