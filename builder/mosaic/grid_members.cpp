@@ -8,6 +8,7 @@ namespace cairn {
 namespace {
 
 constexpr double kCoincide = 0.01;  // of a post
+constexpr double kSame = 1e-6;
 
 std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
   return a / b - (a % b < 0 ? 1 : 0);
@@ -34,12 +35,14 @@ std::optional<GridPlacement> place_on_grid(const RasterInfo& info, const Georefe
   const double column = std::round(first.column), row = std::round(first.row);
   if (!(std::abs(column) < 1e15 && std::abs(row) < 1e15)) return std::nullopt;
   const double c = static_cast<double>(info.columns - 1), r = static_cast<double>(info.rows - 1);
-  for (const auto& [i, j] : {std::pair{0., 0.}, {c, 0.}, {0., r}, {c, r}}) {
-    const auto at = post_of(i, j);
-    if (std::abs(at.column - column - i) > kCoincide || std::abs(at.row - row - j) > kCoincide)
-      return std::nullopt;
+  double farthest = 0;
+  for (const auto& corner : {std::pair{0., 0.}, {c, 0.}, {0., r}, {c, r}}) {
+    const auto at = post_of(corner.first, corner.second);
+    farthest = std::max(
+        {farthest, std::abs(at.column - column - corner.first), std::abs(at.row - row - corner.second)});
   }
-  return GridPlacement{static_cast<std::int64_t>(column), static_cast<std::int64_t>(row)};
+  if (!(farthest <= kCoincide)) return std::nullopt;
+  return GridPlacement{static_cast<std::int64_t>(column), static_cast<std::int64_t>(row), farthest > kSame};
 }
 
 GridMembers::GridMembers(std::vector<IndexWindow> extents) : extents_(std::move(extents)) {

@@ -15,6 +15,7 @@ namespace cairn {
 struct GridPlacement {
   std::int64_t column = 0;
   std::int64_t row = 0;
+  bool is_shifted = false;  ///< its posts lie a little off the grid's: by more than 1e-6 of a post
 };
 
 /// The place of a raster on the grid of posts that `grid` extends over its CRS's plane; nullopt where the CRS

@@ -86,6 +86,7 @@ ProjectedGroup::ProjectedGroup(RasterPool& pool, const Geoid* geoid, Grid grid, 
       footprint_.add(part);
     }
     sources_.push_back(m.source);
+    is_shifted_ = is_shifted_ || m.placement.is_shifted;
   }
 }
 
@@ -125,6 +126,28 @@ void ProjectedGroup::add_geoid(PostBlock& block) const {
   }
 }
 
+// By how much each post lies off the grid's, in posts; empty where none does.
+std::vector<PlanePoint> ProjectedGroup::shifts_of(const PostBlock& block) const {
+  std::vector<PlanePoint> shifts;
+  if (!is_shifted_) return shifts;
+  shifts.resize(block.owners.size());
+  for (int r = 0; r < block.rows; ++r) {
+    for (int c = 0; c < block.columns; ++c) {
+      const std::size_t at = block.index(c, r);
+      if (!PostBlock::has_value(block.owners[at])) continue;
+      const Member& member = grid_.members[block.owners[at] - 1u];
+      const auto column = static_cast<double>(block.i0 + c), row = static_cast<double>(block.j0 + r);
+      const LonLat own =
+          pool_.info(member.source)
+              .georeference.coordinate_of(column - static_cast<double>(member.placement.column),
+                                          row - static_cast<double>(member.placement.row));
+      const auto on_grid = grid_.georeference.post_at_coordinate(own);
+      shifts[at] = {on_grid.column - column, on_grid.row - row};
+    }
+  }
+  return shifts;
+}
+
 // Posts by column and by row in the grid's order.
 Result<PostBlock> ProjectedGroup::read_posts(IndexRange columns, IndexRange rows) const {
   PostBlock block{
@@ -157,7 +180,7 @@ Status ProjectedGroup::fill_block(Block& block) const {
   }
   std::vector<float> out(positions.at.size());
   std::vector<std::uint8_t> met(complete ? 0 : out.size(), 0);
-  resampler_.resample(posts->heights, fitted, positions, tolerance_m_, out, met);
+  resampler_.resample(posts->heights, fitted, shifts_of(*posts), positions, tolerance_m_, out, met);
   block.heights.reserve(block.window.count());
   for (std::int64_t r = 0; r < block.window.rows; ++r) {
     const std::size_t first = positions.samples.offset(block.window.column, block.window.row + r);
@@ -204,23 +227,21 @@ Status ProjectedGroup::add_posts(const SampleWindow& window, MeasuredPosts& post
   if (wanted.x.count() <= 0 || wanted.y.count() <= 0) return {};
   const auto read = read_posts(wanted.x, wanted.y);
   if (!read) return read.error();
-  const ProjectionMesh mesh = resampler_.places_of(wanted, grown(window, 0));
   const double around = resampler_.around();
   const bool wide = window.columns > around / 2;
-  std::vector<PlanePoint> row(static_cast<std::size_t>(read->columns));
-  for (int r = 0; r < read->rows; ++r) {
-    mesh.row(read->j0 + r, row);
+  const auto add_row = [&](std::int64_t row, std::span<const PlanePoint> places) {
     for (int c = 0; c < read->columns; ++c) {
-      const std::size_t at = read->index(c, r);
+      const std::size_t at = read->index(c, static_cast<int>(row - read->j0));
       if (!PostBlock::has_value(read->owners[at])) continue;
-      const PlanePoint& place = row[static_cast<std::size_t>(c)];
+      const PlanePoint& place = places[static_cast<std::size_t>(c)];
       const double x = wide ? place.x - around * std::floor(place.x / around) : place.x;
       const double px = x - static_cast<double>(window.column);
       const double py = place.y - static_cast<double>(window.row);
       if (!(px >= 0 && py >= 0 && px <= window.columns - 1 && py <= window.rows - 1)) continue;
       posts.placed.push_back({px, py, read->heights[at], read->owners[at]});
     }
-  }
+  };
+  resampler_.visit_places(wanted, grown(window, 0), shifts_of(*read), add_row);
   return {};
 }
 

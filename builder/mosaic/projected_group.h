@@ -52,6 +52,7 @@ class ProjectedGroup final : public SourceGroup {
   Result<PostBlock> read_posts(IndexRange columns, IndexRange rows) const;
   Status read_member(std::size_t member, PostBlock& block) const;
   void add_geoid(PostBlock& block) const;
+  std::vector<PlanePoint> shifts_of(const PostBlock& block) const;
   Result<BlockPointer> block_at(std::int64_t x, std::int64_t y) const;
   Result<BlockPointer> make_block(std::int64_t x, std::int64_t y) const;
   Status fill_block(Block& block) const;
@@ -64,6 +65,7 @@ class ProjectedGroup final : public SourceGroup {
   std::int64_t block_side_;
   double samples_per_degree_;
   double tolerance_m_;
+  bool is_shifted_ = false;  // some member's posts lie a little off the grid's
   ProjectedResampler resampler_;
   LatticeFill fill_;
 

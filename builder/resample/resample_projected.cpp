@@ -132,15 +132,33 @@ IndexWindow ProjectedResampler::posts_near(IndexWindow samples) const {
           {std::max(around.y.first, extent_.y.first), std::min(around.y.last, extent_.y.last)}};
 }
 
-ProjectionMesh ProjectedResampler::places_of(IndexWindow posts, IndexWindow samples) const {
+void ProjectedResampler::visit_places(IndexWindow posts, IndexWindow samples,
+                                      std::span<const PlanePoint> shifts, const VisitPlaces& visit) const {
   const double middle = middle_of(samples.x), turn = around();
-  return ProjectionMesh(
-      posts, projection_mesh_step(samples_per_degree_ / 2), kPlaceTolerance,
-      [this, middle, turn](std::int64_t column, std::int64_t row) {
-        const LonLat place = georeference_.place_of(static_cast<double>(column), static_cast<double>(row));
-        const double x = (place.lon + 180) * samples_per_degree_;
-        return PlanePoint{middle + std::remainder(x - middle, turn), (place.lat + 90) * samples_per_degree_};
-      });
+  const auto place = [this, middle, turn](std::int64_t column, std::int64_t row) {
+    const LonLat at = georeference_.place_of(static_cast<double>(column), static_cast<double>(row));
+    const double x = (at.lon + 180) * samples_per_degree_;
+    return PlanePoint{middle + std::remainder(x - middle, turn), (at.lat + 90) * samples_per_degree_};
+  };
+  IndexWindow meshed = posts;
+  if (!shifts.empty()) meshed = {{posts.x.first, posts.x.last + 1}, {posts.y.first, posts.y.last + 1}};
+  const ProjectionMesh mesh(meshed, projection_mesh_step(samples_per_degree_ / 2), kPlaceTolerance, place);
+  std::vector<PlanePoint> row(static_cast<std::size_t>(meshed.x.count())), next(row.size());
+  for (std::int64_t y = posts.y.first; y <= posts.y.last; ++y) {
+    mesh.row(y, row);
+    if (shifts.empty()) {
+      visit(y, row);
+      continue;
+    }
+    mesh.row(y + 1, next);
+    const std::size_t first = posts.offset(posts.x.first, y);
+    for (std::size_t c = 0; c + 1 < row.size(); ++c) {
+      const PlanePoint shift = shifts[first + c], east = row[c + 1], down = next[c];
+      row[c] = {row[c].x + shift.x * (east.x - row[c].x) + shift.y * (down.x - row[c].x),
+                row[c].y + shift.x * (east.y - row[c].y) + shift.y * (down.y - row[c].y)};
+    }
+    visit(y, std::span<const PlanePoint>(row).first(row.size() - 1));
+  }
 }
 
 void ProjectedResampler::interpolate(std::span<const float> heights, const SamplePositions& positions,
@@ -162,51 +180,53 @@ void ProjectedResampler::interpolate(std::span<const float> heights, const Sampl
 
 PostEquations ProjectedResampler::equations(std::span<const float> heights,
                                             std::span<const std::uint8_t> fitted,
+                                            std::span<const PlanePoint> shifts,
                                             const SamplePositions& positions,
                                             std::span<std::uint8_t> met) const {
   const IndexWindow& samples = positions.samples;
   const IndexWindow& posts = positions.posts;
-  const ProjectionMesh mesh = places_of(posts, samples);
   const IndexWindow corners{{samples.x.first, samples.x.last - 1}, {samples.y.first, samples.y.last - 1}};
   const auto stride = static_cast<std::size_t>(samples.x.count());
   PostEquations equations(samples.x.count());
+  const auto add = [&](double x, double y, float height) {
+    const double x0 = std::floor(x), y0 = std::floor(y);
+    const auto i = static_cast<std::int64_t>(x0);
+    const auto j = static_cast<std::int64_t>(y0);
+    if (!corners.x.holds(i) || !corners.y.holds(j)) return;
+    const std::size_t corner = samples.offset(i, j);
+    const std::array<std::size_t, 4> square = {corner, corner + 1, corner + stride, corner + stride + 1};
+    for (const std::size_t at : square)
+      if (std::isnan(positions.at[at].x)) return;
+    equations.add(static_cast<std::int64_t>(corner), x - x0, y - y0, height);
+    if (met.empty()) return;
+    for (const std::size_t at : square) met[at] = 1;
+  };
   // A window that is wider than half the Earth may meet a post on both its sides.
   const bool wide = static_cast<double>(samples.x.count()) > around() / 2;
-  const std::array<double, 3> turns = {0, -around(), around()};
-  std::vector<PlanePoint> row(static_cast<std::size_t>(posts.x.count()));
-  for (std::int64_t y = posts.y.first; y <= posts.y.last; ++y) {
-    mesh.row(y, row);
+  visit_places(posts, samples, shifts, [&](std::int64_t y, std::span<const PlanePoint> places) {
     const std::size_t first = posts.offset(posts.x.first, y);
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      if (fitted[first + c] == 0 || !std::isfinite(row[c].x)) continue;
-      for (std::size_t turn = 0; turn < (wide ? turns.size() : 1); ++turn) {
-        const double x = row[c].x + turns[turn], x0 = std::floor(x), y0 = std::floor(row[c].y);
-        const auto i = static_cast<std::int64_t>(x0);
-        const auto j = static_cast<std::int64_t>(y0);
-        if (!corners.x.holds(i) || !corners.y.holds(j)) continue;
-        const std::size_t corner = samples.offset(i, j);
-        const std::array<std::size_t, 4> square = {corner, corner + 1, corner + stride, corner + stride + 1};
-        if (std::any_of(square.begin(), square.end(),
-                        [&](std::size_t at) { return std::isnan(positions.at[at].x); }))
-          continue;
-        equations.add(static_cast<std::int64_t>(corner), x - x0, row[c].y - y0, heights[first + c]);
-        if (met.empty()) continue;
-        for (const std::size_t at : square) met[at] = 1;
-      }
+    for (std::size_t c = 0; c < places.size(); ++c) {
+      if (fitted[first + c] == 0 || !std::isfinite(places[c].x)) continue;
+      add(places[c].x, places[c].y, heights[first + c]);
+      if (!wide) continue;
+      add(places[c].x - around(), places[c].y, heights[first + c]);
+      add(places[c].x + around(), places[c].y, heights[first + c]);
     }
-  }
+  });
   return equations;
 }
 
 PostEquations::Fit ProjectedResampler::resample(std::span<const float> heights,
                                                 std::span<const std::uint8_t> fitted,
+                                                std::span<const PlanePoint> shifts,
                                                 const SamplePositions& positions, double tolerance_m,
                                                 std::span<float> out, std::span<std::uint8_t> met) const {
   assert(heights.size() == static_cast<std::size_t>(positions.posts.count()) &&
          fitted.size() == heights.size());
   assert(out.size() == positions.at.size() && (met.empty() || met.size() == out.size()));
+  assert(shifts.empty() || shifts.size() == heights.size());
   interpolate(heights, positions, out);
-  return equations(heights, fitted, positions, met).fit(out, tolerance_m);
+  return equations(heights, fitted, shifts, positions, met).fit(out, tolerance_m);
 }
 
 double posts_per_degree(const Georeference& georeference, IndexWindow posts) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -44,15 +45,20 @@ class ProjectedResampler {
   /// none.
   IndexWindow posts_near(IndexWindow samples) const;
 
-  /// The mesh of the posts' places, in samples, on that side of 180° that is nearer to the window's middle.
-  ProjectionMesh places_of(IndexWindow posts, IndexWindow samples) const;
+  using VisitPlaces = std::function<void(std::int64_t row, std::span<const PlanePoint> places)>;
+  /// Calls `visit` with the places of the posts, row by row, in samples, on that side of 180° that is nearer
+  /// to the samples' middle; not finite where the CRS has no place. `shifts`: by post, by how much of a post
+  /// it lies off the grid, at most a hundredth; empty where none does.
+  void visit_places(IndexWindow posts, IndexWindow samples, std::span<const PlanePoint> shifts,
+                    const VisitPlaces& visit) const;
 
-  /// `heights` of positions.posts, none NaN; `fitted`: which of them the surface has to meet (0 or 1). `out`:
-  /// rows south to north, metres, NaN out of reach. `met`, unless empty: becomes 1 for each sample of a
-  /// square that holds a fitted post. Single precision holds a tolerance of 0.001 m at heights up to 9000 m.
+  /// `heights` of positions.posts, none NaN; `fitted`: which of them the surface has to meet (0 or 1).
+  /// `shifts`: see visit_places(). `out`: rows south to north, metres, NaN out of reach. `met`, unless empty:
+  /// becomes 1 for each sample of a square that holds a fitted post. Single precision holds a tolerance of
+  /// 0.001 m at heights up to 9000 m.
   PostEquations::Fit resample(std::span<const float> heights, std::span<const std::uint8_t> fitted,
-                              const SamplePositions& positions, double tolerance_m, std::span<float> out,
-                              std::span<std::uint8_t> met) const;
+                              std::span<const PlanePoint> shifts, const SamplePositions& positions,
+                              double tolerance_m, std::span<float> out, std::span<std::uint8_t> met) const;
 
   /// Samples around the Earth.
   double around() const { return 360 * samples_per_degree_; }
@@ -63,7 +69,8 @@ class ProjectedResampler {
   void interpolate(std::span<const float> heights, const SamplePositions& positions,
                    std::span<float> out) const;
   PostEquations equations(std::span<const float> heights, std::span<const std::uint8_t> fitted,
-                          const SamplePositions& positions, std::span<std::uint8_t> met) const;
+                          std::span<const PlanePoint> shifts, const SamplePositions& positions,
+                          std::span<std::uint8_t> met) const;
 
   Georeference georeference_;
   IndexWindow extent_;
