@@ -9,7 +9,7 @@
 
 #include "builder/imagery/imagery_mosaic.h"
 #include "tests/support/dem_files.h"
-#include "tests/support/test_pack.h"
+#include "tests/support/test_data.h"
 
 namespace cairn::test {
 namespace {

@@ -15,7 +15,7 @@
 #include "cairn/pack_sampler.h"
 #include "tests/support/dem_files.h"
 #include "tests/support/test_bake.h"
-#include "tests/support/test_pack.h"
+#include "tests/support/test_data.h"
 
 namespace cairn::test {
 namespace {
