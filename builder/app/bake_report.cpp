@@ -3,8 +3,8 @@
 #include <fstream>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
-#include "builder/app/pack_description.h"
 #include "builder/app/pack_metadata.h"
 #include "builder/bake/memory_budget.h"
 

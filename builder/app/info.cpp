@@ -6,7 +6,6 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "builder/app/pack_description.h"
 #include "builder/app/pack_metadata.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"

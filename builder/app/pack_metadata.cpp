@@ -1,12 +1,72 @@
 #include "builder/app/pack_metadata.h"
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <unordered_set>
 
 #include <nlohmann/json.hpp>
 
 namespace cairn {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double samples_a_tile(const PackReader& pack, Layer layer) {
+  const double side = pack.header().tile_size - (layer == Layer::imagery ? 1 : 0);
+  return side * side;
+}
+
+Json levels_json(const PackReader& pack, Layer layer) {
+  Json levels = Json::array();
+  for (const LevelSummary& level : summarise_levels(pack, layer)) {
+    const double samples = static_cast<double>(level.tiles) * samples_a_tile(pack, layer);
+    levels.push_back({{"level", level.level},
+                      {"tiles", level.tiles},
+                      {"constant_tiles", level.constant_tiles},
+                      {"bytes", level.bytes},
+                      {"bits_per_sample", static_cast<double>(level.bytes) * 8 / samples},
+                      {"max_error_m", level.max_error_m}});
+  }
+  return levels;
+}
+
+// The index says what there is, the metadata what was measured.
+Json imagery_json(const PackReader& pack, const nlohmann::json& metadata) {
+  const auto measured = [&](const std::string& pointer) {
+    const nlohmann::json::json_pointer path("/imagery" + pointer);
+    return metadata.contains(path) ? metadata.at(path) : nlohmann::json();
+  };
+  Json levels = levels_json(pack, Layer::imagery);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    levels[i].erase("max_error_m");
+    levels[i]["psnr_db"] = measured("/levels/" + std::to_string(i) + "/psnr_db");
+  }
+  return {{"format", measured("/format")},
+          {"quality", measured("/quality")},
+          {"levels", levels},
+          {"sources", measured("/sources")}};
+}
+
+// A sample is one of the heights that are triangulated.
+Json rqt_json(const PackReader& pack) {
+  Json levels = levels_json(pack, Layer::rqt);
+  std::map<int, std::uint64_t> triangles;
+  for (std::size_t i = 0; i < pack.entry_count(); ++i) {
+    const IndexEntry entry = pack.entry(i);
+    if (entry.layer == Layer::rqt) triangles[entry.id.level] += static_cast<std::uint64_t>(entry.max_quanta);
+  }
+  for (Json& level : levels) {
+    level["tolerance_m"] = level["max_error_m"];
+    level["triangles"] = triangles[level["level"].get<int>()];
+    level.erase("max_error_m");
+    level.erase("constant_tiles");
+  }
+  return {{"levels", levels}};
+}
+
+}  // namespace
 
 Result<nlohmann::json> parse_metadata(const PackReader& pack) {
   nlohmann::json metadata = nlohmann::json::parse(pack.metadata_json(), nullptr, false);
@@ -32,6 +92,27 @@ std::vector<LevelSummary> summarise_levels(const PackReader& pack, Layer layer) 
     level.max_error_m = std::max(level.max_error_m, static_cast<double>(entry.geometric_error_m));
   }
   return levels;
+}
+
+nlohmann::ordered_json describe_pack_file(const PackReader& pack, const nlohmann::json& metadata) {
+  const auto of = [&](const char* key) {
+    return metadata.contains(key) ? metadata.at(key) : nlohmann::json();
+  };
+  const PackHeader& header = pack.header();
+  Json info;
+  info["format_version"] = header.version;
+  info["tile_size"] = header.tile_size;
+  info["quantum_m"] = header.quantum_m;
+  info["vertical_datum"] = to_string(header.vertical_datum);
+  info["bounds"] = of("bounds");
+  info["error_bound_m"] = of("error_bound_m");
+  info["file_bytes"] = header.file_bytes();
+  info["levels"] = levels_json(pack, Layer::heights);
+  if (pack.levels(Layer::imagery)) info["imagery"] = imagery_json(pack, metadata);
+  if (pack.levels(Layer::rqt)) info["rqt"] = rqt_json(pack);
+  info["accuracy"] = of("accuracy");
+  info["sources"] = of("sources");
+  return info;
 }
 
 }  // namespace cairn
