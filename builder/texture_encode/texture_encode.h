@@ -30,7 +30,7 @@ void bc1_errors(std::span<const std::uint8_t> rgba, int width, int height, std::
 /// and VL.
 enum class KernelIsa : std::uint8_t { portable, avx2, avx512 };
 
-/// The widest that this CPU has: what encode_texture() uses.
+/// The widest that this CPU has. encode_texture() uses it where it is the fastest, too.
 KernelIsa widest_kernel_isa();
 
 /// The two with the kernels of one instruction set, for tests and benches.
