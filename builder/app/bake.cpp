@@ -8,6 +8,7 @@
 
 #include "builder/app/bake_progress.h"
 #include "builder/app/bake_report.h"
+#include "builder/app/one_of.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
 #include "builder/bake/memory_budget.h"
@@ -148,15 +149,6 @@ Status bake(const BakeArguments& arguments) {
   if (!report) return with_remedies(report.error(), *options);
   if (!report->warning.empty()) fmt::print(stderr, "cairn: warning: {}\n", report->warning);
   return print_bake_report(*report, *options, arguments.report, arguments.json);
-}
-
-/// Accepts the words of the map, in any case. The help lists the words; CLI11's own description lists the
-/// enumerators' bytes as well.
-template <class Value>
-CLI::Validator one_of(const std::map<std::string, Value>& words) {
-  std::string list;
-  for (const auto& word : words) list += (list.empty() ? "" : ",") + word.first;
-  return CLI::CheckedTransformer(words, CLI::ignore_case).description("{" + list + "}");
 }
 
 void add_accuracy_options(CLI::App& verb, BakeArguments& arguments) {

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "builder/app/export_target.h"
+#include "builder/app/one_of.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
 #include "builder/export/height_image.h"
@@ -121,7 +122,7 @@ void add_extract(CLI::App& app, int& exit_code) {
       ->required();
   const std::map<std::string, Layer> layers{{"heights", Layer::heights}, {"imagery", Layer::imagery}};
   verb->add_option("--layer", options->layer, "heights or imagery")
-      ->transform(CLI::CheckedTransformer(layers, CLI::ignore_case))
+      ->transform(one_of(layers))
       ->default_str("heights");
   verb->add_flag("--json", options->json, "Print JSON");
   verb->callback([options, &exit_code] { exit_code = run_extract(*options); });
