@@ -127,7 +127,7 @@ TEST_CASE("Every height codec gives back every surface, at every size") {
   }
 }
 
-TEST_CASE("Every height codec gives back tiles of real 3-second cells") {
+TEST_CASE("Every height codec gives back tiles of real 3-second cells", "[data]") {
   const auto data = cairn::test::real_data();
   if (!data) return;
   for (const char* cell : {"N00E010", "N44W072", "N57E011", "N00W177"}) {

@@ -7,7 +7,8 @@
 namespace cairn::test {
 
 /// The folder of real DEMs and imagery: $CAIRN_DATA, else ../shared/data beside the repository.
-/// Without it, WARNs that the calling test checks nothing, and returns nullopt: `if (!data) return;`
+/// Without it, returns nullopt and says SKIPPED, by which ctest shows the calling test as skipped:
+/// `if (!data) return;`. Such a test has the tag [data].
 std::optional<std::filesystem::path> real_data();
 
 /// The repository's own sample-dem/ folder; always present.

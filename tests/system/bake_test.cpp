@@ -220,7 +220,7 @@ TEST_CASE("a bake cancelled from its progress callback keeps its work without be
   CHECK_FALSE(fs::exists(Journal::path_for(options.session.target)));
 }
 
-TEST_CASE("voids are filled without a cliff, or kept as holes, as asked") {
+TEST_CASE("voids are filled without a cliff, or kept as holes, as asked", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;
@@ -265,7 +265,7 @@ TEST_CASE("voids are filled without a cliff, or kept as holes, as asked") {
   CHECK(verify_pack(options.session.target)->ok());
 }
 
-TEST_CASE("open sea stops early: no fine tiles, and its parent's surface is the sea") {
+TEST_CASE("open sea stops early: no fine tiles, and its parent's surface is the sea", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;
@@ -278,7 +278,7 @@ TEST_CASE("open sea stops early: no fine tiles, and its parent's surface is the 
   CHECK(fine < 16);
 }
 
-TEST_CASE("levels coarser than a cell share their edges where the sources end on one") {
+TEST_CASE("levels coarser than a cell share their edges where the sources end on one", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;
@@ -302,7 +302,7 @@ TEST_CASE("levels coarser than a cell share their edges where the sources end on
   }
 }
 
-TEST_CASE("a geoid moves every post by its undulation") {
+TEST_CASE("a geoid moves every post by its undulation", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;

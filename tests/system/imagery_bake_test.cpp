@@ -117,7 +117,7 @@ TEST_CASE("spots at known places land within half a texel, in every CRS") {
   }
 }
 
-TEST_CASE("tiles of real images meet without a seam, at every level and mip") {
+TEST_CASE("tiles of real images meet without a seam, at every level and mip", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;
@@ -144,7 +144,8 @@ TEST_CASE("tiles of real images meet without a seam, at every level and mip") {
   }
 }
 
-TEST_CASE("the same images give the same bytes, whatever the threads, the memory and the interruptions") {
+TEST_CASE("the same images give the same bytes, whatever the threads, the memory and the interruptions",
+          "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;

@@ -175,14 +175,14 @@ void check_tolerances(const std::shared_ptr<const PackReader>& pack, int cameras
 
 }  // namespace
 
-TEST_CASE("cairn, soar and rqt keep their tolerance over mountains, whatever the camera") {
+TEST_CASE("cairn, soar and rqt keep their tolerance over mountains, whatever the camera", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;
   check_tolerances(bake(*data / "srtm3/N44W072.hgt", dir.path() / "a.cairn", 2), 12, 1950);
 }
 
-TEST_CASE("cairn, soar and rqt keep their tolerance over an island with cliffs") {
+TEST_CASE("cairn, soar and rqt keep their tolerance over an island with cliffs", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;

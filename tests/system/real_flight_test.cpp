@@ -161,7 +161,8 @@ AreasAndSources expected_map(const PackReader& pack, const Faults& faults) {
 }  // namespace
 
 TEST_CASE(
-    "10,000 moves over Hawaii with 1, 2 and 4 workers end in one map, without a hole or a byte too many") {
+    "10,000 moves over Hawaii with 1, 2 and 4 workers end in one map, without a hole or a byte too many",
+    "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;
@@ -174,7 +175,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("10,000 moves over Hawaii on a disk that is slow, fails and is damaged") {
+TEST_CASE("10,000 moves over Hawaii on a disk that is slow, fails and is damaged", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const test::TempDir dir;

@@ -58,7 +58,7 @@ void copy_pack(const PackReader& pack, const fs::path& target, const Edit& edit)
 
 }  // namespace
 
-TEST_CASE("every height tile gets triangulations that verify, equal on the edges of neighbours") {
+TEST_CASE("every height tile gets triangulations that verify, equal on the edges of neighbours", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const std::vector<std::vector<fs::path>> inputs{

@@ -217,7 +217,7 @@ TEST_CASE("images that hold no colours, or fewer than they claim, are refused in
 }
 
 // NAIP's fourth band is near infrared; its TIFF tag says alpha, GDAL's note in it says otherwise.
-TEST_CASE("an image in UTM and its copy warped to lat/long make the same texels") {
+TEST_CASE("an image in UTM and its copy warped to lat/long make the same texels", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const TempDir dir;

@@ -268,7 +268,7 @@ TEST_CASE("TIFF colours of 16 bits, few bits, palettes, YCbCr JPEG and inverted 
   CHECK(cmyk.error().message.find("CMYK") != std::string::npos);
 }
 
-TEST_CASE("Real images hold the colours that GDAL reads") {
+TEST_CASE("Real images hold the colours that GDAL reads", "[data]") {
   const auto data = real_data();
   if (!data) return;
   for (const char* name : {"swellendam_3420B_2010_328_RGB_LATLNG.tif", "m_4709963_se_14_1_20090818.tif",

@@ -68,7 +68,7 @@ void compare_with_gdal(const fs::path& path, const std::string& gdal_name) {
 
 }  // namespace
 
-TEST_CASE("Real DEMs lie where GDAL puts them and hold the heights that it reads") {
+TEST_CASE("Real DEMs lie where GDAL puts them and hold the heights that it reads", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   for (const char* folder : {"srtm3", "srtm1", "dted1", "geotiff", "utm", "global", "geoid"}) {

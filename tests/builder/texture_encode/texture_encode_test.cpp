@@ -122,7 +122,7 @@ TEST_CASE("a better quality is better, and none is poor") {
   }
 }
 
-TEST_CASE("real photos keep the promised quality") {
+TEST_CASE("real photos keep the promised quality", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const TestImage image = test::photo(*data / "imagery/swellendam_3420B_2010_328_RGB_LATLNG.tif", 4096, 4096);

@@ -190,7 +190,7 @@ TEST_CASE("filling depends on 140 to 176 posts around the window") {
   }
 }
 
-TEST_CASE("the voids of a real cell in high relief are filled, tile by tile as at once") {
+TEST_CASE("the voids of a real cell in high relief are filled, tile by tile as at once", "[data]") {
   const auto data = test::real_data();
   if (!data) return;
   const auto source = open_raster(*data / "geotiff/N46E008.tif", {});
