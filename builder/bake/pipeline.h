@@ -57,7 +57,7 @@ Status run_in_order(std::size_t first, std::size_t count, std::size_t in_flight,
           tbb::make_filter<std::shared_ptr<Item>, std::shared_ptr<Item>>(tbb::filter_mode::parallel,
                                                                          [&](std::shared_ptr<Item> item) {
                                                                            const OrderedTurn turn(order);
-                                                                           item->result = work(item->index);
+                                                                           item->result.emplace(work(item->index));
                                                                            return item;
                                                                          }) &
           tbb::make_filter<std::shared_ptr<Item>, void>(

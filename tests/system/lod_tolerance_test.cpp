@@ -2,6 +2,7 @@
 // lab: samples straight from the pack, triangles found by trying them all, pixels from angles.
 
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <random>
