@@ -1,5 +1,6 @@
 #include "cairn/build.h"
 
+#include <algorithm>
 #include <chrono>
 #include <string_view>
 #include <system_error>
@@ -38,6 +39,20 @@ Status check_error_bound(const ErrorStats& accuracy, const HeightPlan& plan) {
   return failed(std::string(kAccuracy) + "expected every post within " +
                 std::to_string(plan.error_bound_m()) + " m, found " + std::to_string(accuracy.max()) +
                 " m at lon " + std::to_string(at.lon) + " lat " + std::to_string(at.lat));
+}
+
+// A layer without a post or a pixel would be flat ground at 0 m, or nothing at all.
+Status check_not_empty(const BakePlan& layers, const HeightSummary& heights,
+                       const std::vector<IndexEntry>& entries) {
+  if (layers.heights && heights.accuracy.count() == 0)
+    return bad_data(layers.heights->pool().info(0).path.string() +
+                    ": heights: expected a post with a value in the DEMs, found voids alone");
+  const bool textured = std::any_of(entries.begin(), entries.end(),
+                                    [](const IndexEntry& e) { return e.layer == Layer::imagery; });
+  if (layers.imagery && !textured)
+    return bad_data(layers.imagery->pool().info(0).path.string() +
+                    ": image: expected a pixel that is not transparent in the images, found none");
+  return {};
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -122,6 +137,9 @@ Result<BuildReport> build_in_arena(const BuildOptions& options, int threads,
 
   // 5. The same for the tiles of imagery: resample, encode, measure, write.
   if (auto status = bake_imagery(*layers, options, threads, *session, progress, report); !status)
+    return end_failed_bake(*session, hashing, status.error());
+
+  if (auto status = check_not_empty(*layers, *heights, session->writer.entries()); !status)
     return end_failed_bake(*session, hashing, status.error());
 
   // 6. Triangulate the tiles of heights, if asked for: neighbours have to agree, so they are all needed

@@ -16,6 +16,26 @@ TileTree::LeafLevel leaf_level_in(const Mosaic& mosaic, const std::optional<GeoB
   };
 }
 
+// Whether a tile lends its edge to its parent: where the mosaic has something at the edge, and nothing
+// inside. Of a region's rim it lends nothing where a neighbour lies outside, which may need a finer level.
+TileTree::Touches touches_in(const Mosaic& mosaic, const std::optional<GeoBounds>& region) {
+  Footprint wanted;
+  if (region) wanted.add(*region);
+  const auto is_wanted = [wanted, everywhere = !region](const TileId& id) {
+    return everywhere || wanted.overlaps(without_overhang(tile_bounds(id)));
+  };
+  return [&mosaic, is_wanted](const TileId& id) {
+    if (!mosaic.touches(id) || mosaic.covers(id)) return false;
+    for (const int dy : {-1, 0, 1}) {
+      for (const int dx : {-1, 0, 1}) {
+        const TileId beyond = neighbour_of(id, dx, dy);
+        if (is_valid(beyond) && mosaic.covers(beyond) && !is_wanted(beyond)) return false;
+      }
+    }
+    return true;
+  };
+}
+
 }  // namespace
 
 HeightPlan::HeightPlan(const Mosaic& mosaic)
@@ -25,8 +45,7 @@ Status HeightPlan::choose_levels(const MosaicOptions& asked, const GridOptions& 
   const int native = mosaic_->finest_level();
   finest_ = asked.level.value_or(native);
   const int top = grid.top.value_or(mosaic_->is_global() ? kMinLevel : std::min(0, finest_));
-  tree_ = TileTree(top, leaf_level_in(*mosaic_, grid.region),
-                   [mosaic = mosaic_](const TileId& id) { return mosaic->touches(id); });
+  tree_ = TileTree(top, leaf_level_in(*mosaic_, grid.region), touches_in(*mosaic_, grid.region));
   if (top > finest_) {
     return usage_error("top level: expected one no finer than the finest, " + std::to_string(finest_) +
                        ", found " + std::to_string(top));

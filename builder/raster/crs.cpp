@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <utility>
 
 namespace cairn {
@@ -81,12 +82,28 @@ double metres_of_unit(int epsg_unit) {
 }
 
 double metres_of_unit(std::string_view name) {
-  for (const std::string_view metre : {"", "m", "metre", "meter", "metres", "meters"})
-    if (name == metre) return 1;
-  for (const std::string_view foot : {"ft", "foot", "feet", "international foot"})
-    if (name == foot) return metres_of_unit(9002);
-  for (const std::string_view foot : {"US survey foot", "us-ft", "ftUS", "us_survey_foot", "sfoot"})
-    if (name == foot) return metres_of_unit(9003);
+  // Files differ in case, blanks and underscores: "Meters", "US_survey_foot", "Foot_US".
+  std::string spelt;
+  for (const char c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0)
+      spelt += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const std::string_view metre : {"", "m", "metre", "meter", "metres", "meters", "mtr"})
+    if (spelt == metre) return 1;
+  for (const std::string_view foot :
+       {"ft", "foot", "feet", "internationalfoot", "internationalfeet", "footintl", "ftintl", "ift"})
+    if (spelt == foot) return metres_of_unit(9002);
+  for (const std::string_view foot : {"ussurveyfoot", "ussurveyfeet", "usft", "ftus", "sfoot", "surveyfoot",
+                                      "surveyfeet", "footus", "feetus", "usfoot", "usfeet"})
+    if (spelt == foot) return metres_of_unit(9003);
+  struct Metric {
+    std::string_view name;
+    double metres;
+  };
+  for (const Metric unit : {Metric{"km", 1000}, Metric{"kilometre", 1000}, Metric{"kilometer", 1000},
+                            Metric{"dm", 0.1}, Metric{"decimetre", 0.1}, Metric{"decimeter", 0.1},
+                            Metric{"cm", 0.01}, Metric{"centimetre", 0.01}, Metric{"centimeter", 0.01},
+                            Metric{"mm", 0.001}, Metric{"millimetre", 0.001}, Metric{"millimeter", 0.001}})
+    if (spelt == unit.name) return unit.metres;
   return 0;
 }
 

@@ -77,7 +77,9 @@ void decode_floating(const HeightEncoding& e, const std::byte* samples, std::siz
                      float* metres) {
   const double nodata = e.nodata.value_or(std::numeric_limits<double>::quiet_NaN());
   // Written in decimal and rounded to float on the way, a tag may differ from the samples it means.
-  const double tolerance = std::abs(nodata) * 2 * std::numeric_limits<float>::epsilon();
+  // An infinite one needs none: infinities are voids anyway.
+  constexpr double kRounding = 2.0 * static_cast<double>(std::numeric_limits<float>::epsilon());
+  const double tolerance = std::isinf(nodata) ? 0 : std::abs(nodata) * kRounding;
   for (std::size_t i = 0; i < count; ++i)
     metres[i] = floating_height(load<T>(samples + i * stride * sizeof(T), e.swapped), nodata, tolerance,
                                 e.scale, e.offset);

@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "builder/raster/height_encoding.h"
+#include "builder/raster/height_tags.h"
+#include "builder/raster/pam_sidecar.h"
 #include "builder/raster/raster_placement.h"
 #include "builder/raster/world_file.h"
 
@@ -15,8 +16,13 @@ namespace {
 
 class ScanlineSource final : public RasterSource {
  public:
-  ScanlineSource(RasterInfo info, const ScanlineHeader& header, DecodeRows decode, std::size_t cache_bytes)
-      : RasterSource(std::move(info)), header_(header), decode_(decode), pixels_(cache_bytes) {}
+  ScanlineSource(RasterInfo info, const HeightEncoding& encoding, const ScanlineHeader& header,
+                 DecodeRows decode, std::size_t cache_bytes)
+      : RasterSource(std::move(info)),
+        encoding_(encoding),
+        header_(header),
+        decode_(decode),
+        pixels_(cache_bytes) {}
 
   Status read_heights(const PostWindow& window, std::span<float> out) const override;
   Status read_colours(const PostWindow& window, std::span<std::uint8_t> rgba) const override;
@@ -26,6 +32,7 @@ class ScanlineSource final : public RasterSource {
   std::size_t pixel_bytes() const { return size_of(info_.type) * static_cast<std::size_t>(info_.bands); }
   Status read_row(const PostWindow& window, std::int64_t row, std::vector<std::byte>& pixels) const;
 
+  HeightEncoding encoding_;
   ScanlineHeader header_;
   DecodeRows decode_;
   mutable std::once_flag once_;
@@ -53,15 +60,16 @@ Status ScanlineSource::read_heights(const PostWindow& window, std::span<float> o
   if (auto decoded = decode_once(); !decoded) return decoded;
   const auto columns = static_cast<std::size_t>(window.columns),
              bands = static_cast<std::size_t>(info_.bands);
-  const HeightEncoding encoding{.type = info_.type};
+  const HeightEncoding alpha_encoding{.type = info_.type};
   std::vector<std::byte> pixels;
   std::vector<float> alpha(columns, 1.0F);
   for (std::int64_t r = 0; r < window.rows; ++r) {
     if (auto read = read_row(window, r, pixels); !read) return read;
     float* at = out.data() + static_cast<std::size_t>(r) * columns;
-    decode_heights(encoding, pixels.data(), columns, bands, at);
-    if (bands == 2)
-      decode_heights(encoding, pixels.data() + size_of(info_.type), columns, bands, alpha.data());
+    decode_heights(encoding_, pixels.data(), columns, bands, at);
+    if (bands % 2 == 0)
+      decode_heights(alpha_encoding, pixels.data() + (bands - 1) * size_of(info_.type), columns, bands,
+                     alpha.data());
     for (std::size_t c = 0; c < columns; ++c)
       if (alpha[c] == 0) at[c] = std::numeric_limits<float>::quiet_NaN();
   }
@@ -79,6 +87,7 @@ Status ScanlineSource::read_colours(const PostWindow& window, std::span<std::uin
   colours.type = info_.type;
   colours.bits = info_.type == SampleType::uint8 ? 8 : 16;
   colours.channels = bands >= 3 ? std::vector{0, 1, 2} : std::vector{0};
+  colours.nodata = info_.nodata;
   if (bands % 2 == 0) colours.alpha = info_.bands - 1;
   ColourAssembly assembly(colours, rgba);
   std::vector<std::byte> pixels;
@@ -98,6 +107,15 @@ Result<std::unique_ptr<RasterSource>> open_scanline_raster(const char* format,
                                                            const std::filesystem::path& path,
                                                            const ScanlineHeader& header, DecodeRows decode,
                                                            const OpenOptions& options) {
+  // GDAL reads what lies beside such a file besides a world file and a .prj.
+  const PamSidecar pam = read_pam_beside(path, 1);
+  std::error_code ignored;
+  if (pam.places || std::filesystem::is_regular_file(std::filesystem::path(path).concat(".msk"), ignored))
+    return bad_data(path.string() + ": expected no mask or georeference in a side-car, found one");
+  HeightTags tags;
+  apply_pam(pam, tags);
+  const auto encoding = height_encoding_of(path, header.type, tags);
+  if (!encoding) return encoding.error();
   RasterInfo info;
   info.path = path;
   info.format = format;
@@ -105,13 +123,14 @@ Result<std::unique_ptr<RasterSource>> open_scanline_raster(const char* format,
   info.rows = header.rows;
   info.bands = header.bands;
   info.type = header.type;
-  info.whole_metres = HeightEncoding{.type = header.type}.whole_metres();
+  info.whole_metres = encoding->whole_metres();
+  info.nodata = encoding->nodata;
   const auto georeference = georeference_beside(path, info.columns, info.rows, options);
   if (!georeference) return georeference.error();
   info.georeference = *georeference;
   if (auto placed = place_raster(info); !placed) return placed.error();
   std::unique_ptr<RasterSource> source =
-      std::make_unique<ScanlineSource>(std::move(info), header, decode, options.cache_bytes);
+      std::make_unique<ScanlineSource>(std::move(info), *encoding, header, decode, options.cache_bytes);
   return source;
 }
 

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "builder/raster/pam_sidecar.h"
 #include "builder/raster/tiff/geotiff_tags.h"
 #include "tests/support/dem_files.h"
 #include "tests/support/fuzz.h"
@@ -32,8 +33,8 @@ void keys(std::span<const std::byte> input) {
   tags.tiepoints = tags.pixel_scale = doubles;
   tags.gdal_metadata = tags.gdal_nodata = std::string(text.begin(), text.end());
   (void)georeference_of(tags, "x.tif").ok();
-  (void)height_scale_of(tags, "x.tif").ok();
-  (void)nodata_of(tags);
+  (void)height_tags_of(tags, 1);
+  (void)parse_pam(tags.gdal_metadata, 1);
 }
 
 std::vector<Bytes> tiff_seeds() {

@@ -7,10 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "builder/raster/height_encoding.h"
+#include "builder/raster/height_tags.h"
 #include "builder/raster/io/chunk_cache.h"
 #include "builder/raster/io/input_file.h"
 #include "builder/raster/io/printable.h"
+#include "builder/raster/pam_sidecar.h"
 #include "builder/raster/raster_placement.h"
 #include "builder/raster/raster_source.h"
 
@@ -19,6 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kNodata = -32767;
 constexpr std::size_t kLabelBytes = 80;
 constexpr std::size_t kHeaderBytes = 80 + 648 + 2700;  // UHL, DSI, ACC
 constexpr std::size_t kRecordHeader = 8;
@@ -123,8 +125,10 @@ std::int16_t elevation(unsigned raw) {
 
 class DtedSource final : public RasterSource {
  public:
-  DtedSource(RasterInfo info, InputFile file, std::uint64_t data_offset, std::size_t cache_bytes)
+  DtedSource(RasterInfo info, const HeightEncoding& encoding, InputFile file, std::uint64_t data_offset,
+             std::size_t cache_bytes)
       : RasterSource(std::move(info)),
+        encoding_(encoding),
         file_(std::move(file)),
         data_offset_(data_offset),
         columns_(cache_bytes) {}
@@ -138,6 +142,7 @@ class DtedSource final : public RasterSource {
   Result<ChunkCache::Chunk> read_column(std::int64_t column) const;
   Status check_column(std::int64_t column, std::span<const std::byte> record) const;
 
+  HeightEncoding encoding_;
   InputFile file_;
   std::uint64_t data_offset_;
   mutable ChunkCache columns_;
@@ -179,7 +184,7 @@ Status DtedSource::read_heights(const PostWindow& window, std::span<float> out) 
         columns_.get(static_cast<std::uint64_t>(column), [&] { return read_column(column); });
     if (!heights) return heights.error();
     const std::int64_t south = info_.rows - window.row - window.rows;
-    decode_heights({}, (*heights)->data() + 2 * south, rows, 1, metres.data());
+    decode_heights(encoding_, (*heights)->data() + 2 * south, rows, 1, metres.data());
     for (std::size_t r = 0; r < rows; ++r) out[(rows - 1 - r) * columns + c] = metres[r];
   }
   return {};
@@ -195,12 +200,18 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   if (!file) return file.error();
   const auto header = read_header(*file);
   if (!header) return header.error();
+  HeightTags tags;
+  tags.nodata = kNodata;
+  apply_pam(read_pam_beside(path, 1), tags);
+  const auto encoding = height_encoding_of(path, SampleType::int16, tags);
+  if (!encoding) return encoding.error();
   RasterInfo info;
   info.path = path;
   info.format = "dted";
   info.columns = header->columns;
   info.rows = header->rows;
-  info.nodata = -32767;
+  info.whole_metres = encoding->whole_metres();
+  info.nodata = encoding->nodata;
   const double dx = static_cast<double>(header->lon_interval) / 36000;
   const double dy = static_cast<double>(header->lat_interval) / 36000;
   info.georeference.x0 = header->west;
@@ -214,7 +225,7 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
     return bad_data(fmt::format("{}: size: expected {} bytes for {}×{} posts, found {}", path.string(),
                                 expected, info.columns, info.rows, file->size()));
   std::unique_ptr<RasterSource> source = std::make_unique<DtedSource>(
-      std::move(info), std::move(*file), header->data_offset, options.cache_bytes);
+      std::move(info), *encoding, std::move(*file), header->data_offset, options.cache_bytes);
   return source;
 }
 

@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <tiffio.h>
 
-#include "builder/raster/height_encoding.h"
+#include "builder/raster/height_tags.h"
+#include "builder/raster/pam_sidecar.h"
 #include "builder/raster/raster_placement.h"
 #include "builder/raster/raster_source.h"
 #include "builder/raster/tiff/geotiff_tags.h"
@@ -38,10 +40,10 @@ std::optional<std::uint16_t> mask_directory(TIFF* tiff) {
 
 class GeoTiffSource final : public RasterSource {
  public:
-  GeoTiffSource(RasterInfo info, HeightEncoding encoding, std::unique_ptr<TiffImage> image,
+  GeoTiffSource(RasterInfo info, Result<HeightEncoding> encoding, std::unique_ptr<TiffImage> image,
                 std::unique_ptr<TiffImage> mask)
       : RasterSource(std::move(info)),
-        encoding_(encoding),
+        encoding_(std::move(encoding)),
         image_(std::move(image)),
         mask_(std::move(mask)) {}
 
@@ -52,7 +54,7 @@ class GeoTiffSource final : public RasterSource {
   Status check_heights() const;
   Status visit_absent(const PostWindow& window, const std::function<void(std::size_t)>& absent) const;
 
-  HeightEncoding encoding_;
+  Result<HeightEncoding> encoding_;  // an error matters to heights only: an image has any unit
   std::unique_ptr<TiffImage> image_;
   std::unique_ptr<TiffImage> mask_;  // null where there is none
 };
@@ -88,16 +90,17 @@ Status GeoTiffSource::visit_absent(const PostWindow& window,
 
 Status GeoTiffSource::read_heights(const PostWindow& window, std::span<float> out) const {
   if (auto heights = check_heights(); !heights) return heights;
+  if (!encoding_) return encoding_.error();
   const auto width = static_cast<std::size_t>(window.columns);
   const auto stride = static_cast<std::size_t>(image_->layout().samples_together());
-  const float unstored = encoding_.nodata ? kVoid : 0.0F;
+  const float unstored = encoding_->nodata ? kVoid : 0.0F;
   const Status read = image_->visit(window, 0, [&](const TiffImage::Run& run) {
     float* at = out.data() + static_cast<std::size_t>(run.row) * width + run.column;
     const auto count = static_cast<std::size_t>(run.count);
     if (run.samples == nullptr) {
       std::fill_n(at, count, unstored);
     } else {
-      decode_heights(encoding_, run.samples, count, stride, at);
+      decode_heights(*encoding_, run.samples, count, stride, at);
     }
   });
   if (!read) return read;
@@ -137,19 +140,31 @@ Result<Georeference> find_place(const GeoTiffTags& tags, const TiffLayout& layou
   return place_beside(path, layout.columns, layout.rows, options, crs);
 }
 
+Result<std::unique_ptr<TiffImage>> open_mask_directory(const fs::path& path, std::uint16_t directory,
+                                                       const TiffLayout& layout, const OpenOptions& options) {
+  const auto handle = TiffHandle::open(path, directory);
+  if (!handle) return handle.error();
+  auto mask = TiffImage::open(path, **handle, directory, options.cache_bytes / 8);
+  if (!mask) return mask.error();
+  if ((*mask)->layout().columns != layout.columns || (*mask)->layout().rows != layout.rows)
+    return bad_data(fmt::format("{}: mask: expected the image's size, {}×{}, found {}×{}", path.string(),
+                                layout.columns, layout.rows, (*mask)->layout().columns,
+                                (*mask)->layout().rows));
+  return mask;
+}
+
+/// The mask in the file itself, else that in FILE.msk, as GDAL writes it beside the file; null where there is
+/// none.
 Result<std::unique_ptr<TiffImage>> open_mask(const fs::path& path, const TiffLayout& layout,
                                              const OpenOptions& options) {
   const auto handle = TiffHandle::open(path, 0);
   if (!handle) return handle.error();
-  const auto directory = mask_directory((*handle)->get());
-  if (!directory) return std::unique_ptr<TiffImage>();
-  const auto at_mask = TiffHandle::open(path, *directory);
-  if (!at_mask) return at_mask.error();
-  auto mask = TiffImage::open(path, **at_mask, *directory, options.cache_bytes / 8);
-  if (!mask) return mask.error();
-  if ((*mask)->layout().columns != layout.columns || (*mask)->layout().rows != layout.rows)
-    return bad_data(path.string() + ": mask: expected the image's size, found another");
-  return mask;
+  if (const auto directory = mask_directory((*handle)->get()))
+    return open_mask_directory(path, *directory, layout, options);
+  const fs::path beside = fs::path(path).concat(".msk");
+  std::error_code ignored;
+  if (!fs::is_regular_file(beside, ignored)) return std::unique_ptr<TiffImage>();
+  return open_mask_directory(beside, 0, layout, options);
 }
 
 Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptions& options) {
@@ -159,14 +174,16 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   if (!image) return image.error();
   const TiffLayout& layout = (*image)->layout();
   const GeoTiffTags tags = read_geotiff_tags(**handle);
+  const PamSidecar pam = read_pam_beside(path, 1);
+  if (pam.places)  // GDAL reads it
+    return bad_data(path.string() + ".aux.xml: expected no georeference beside a GeoTIFF, found one");
   const auto georeference = find_place(tags, layout, path, options);
   if (!georeference) return georeference.error();
-  const auto scale = height_scale_of(tags, path);
-  if (!scale) return scale.error();
+  HeightTags height = height_tags_of(tags, 1);
+  apply_pam(pam, height);
+  auto encoding = height_encoding_of(path, layout.type, height);
   auto mask = open_mask(path, layout, options);
   if (!mask) return mask.error();
-  const HeightEncoding encoding{
-      .type = layout.type, .nodata = nodata_of(tags), .scale = scale->scale, .offset = scale->offset};
   RasterInfo info;
   info.path = path;
   info.format = "geotiff";
@@ -174,12 +191,12 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   info.rows = layout.rows;
   info.bands = layout.bands;
   info.type = layout.type;
-  info.whole_metres = encoding.whole_metres();
+  info.whole_metres = encoding && encoding->whole_metres();
   info.georeference = *georeference;
-  info.nodata = encoding.nodata;
+  info.nodata = height.nodata;
   if (auto placed = place_raster(info); !placed) return placed.error();
-  std::unique_ptr<RasterSource> source =
-      std::make_unique<GeoTiffSource>(std::move(info), encoding, std::move(*image), std::move(*mask));
+  std::unique_ptr<RasterSource> source = std::make_unique<GeoTiffSource>(std::move(info), std::move(encoding),
+                                                                         std::move(*image), std::move(*mask));
   return source;
 }
 

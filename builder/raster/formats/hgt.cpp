@@ -10,12 +10,13 @@
 
 #include <fmt/format.h>
 
-#include "builder/raster/height_encoding.h"
+#include "builder/raster/height_tags.h"
 #include "builder/raster/io/inflate.h"
 #include "builder/raster/io/input_file.h"
 #include "builder/raster/io/printable.h"
 #include "builder/raster/io/scratch_bytes.h"
 #include "builder/raster/io/zip_archive.h"
+#include "builder/raster/pam_sidecar.h"
 #include "builder/raster/raster_placement.h"
 #include "builder/raster/raster_source.h"
 
@@ -24,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr HeightEncoding kEncoding{.swapped = true, .nodata = -32768};
+constexpr double kNodata = -32768;
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -117,8 +118,10 @@ Result<Cell> agreed_cell(const fs::path& path, const Packing& packing) {
 
 class HgtSource final : public RasterSource {
  public:
-  HgtSource(RasterInfo info, InputFile file, Packing packing, std::size_t cache_bytes)
+  HgtSource(RasterInfo info, const HeightEncoding& encoding, InputFile file, Packing packing,
+            std::size_t cache_bytes)
       : RasterSource(std::move(info)),
+        encoding_(encoding),
         file_(std::move(file)),
         packing_(std::move(packing)),
         unpacked_(cache_bytes) {}
@@ -137,6 +140,7 @@ class HgtSource final : public RasterSource {
                                                    : unpacked_.read_at(offset, out);
   }
 
+  HeightEncoding encoding_;
   InputFile file_;
   Packing packing_;
   mutable std::once_flag once_;
@@ -170,7 +174,7 @@ Status HgtSource::check_plausible() const {
   for (std::int64_t i = 0; i < kRowsLookedAt; ++i) {
     const std::int64_t r = i * (info_.rows - 1) / (kRowsLookedAt - 1);
     if (auto read = read_at(static_cast<std::uint64_t>(r) * row.size(), row); !read) return read;
-    decode_heights(kEncoding, row.data(), metres.size(), 1, metres.data());
+    decode_heights({.swapped = true}, row.data(), metres.size(), 1, metres.data());
     for (const float m : metres) {
       heights += m == m;
       impossible += m < -12000 || m > 9000;
@@ -188,7 +192,7 @@ Status HgtSource::read_heights(const PostWindow& window, std::span<float> out) c
   for (std::int64_t r = 0; r < window.rows; ++r) {
     const std::int64_t at = 2 * ((window.row + r) * info_.columns + window.column);
     if (auto read = read_at(static_cast<std::uint64_t>(at), row); !read) return read;
-    decode_heights(kEncoding, row.data(), columns, 1, out.data() + static_cast<std::size_t>(r) * columns);
+    decode_heights(encoding_, row.data(), columns, 1, out.data() + static_cast<std::size_t>(r) * columns);
   }
   return {};
 }
@@ -210,11 +214,18 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
     return bad_data(
         fmt::format("{}: size: expected 2884802 bytes (1201×1201 posts) or 25934402 (3601×3601), found {}",
                     path.string(), contents->bytes));
+  HeightTags tags;
+  tags.nodata = kNodata;
+  apply_pam(read_pam_beside(path, 1), tags);
+  auto encoding = height_encoding_of(path, SampleType::int16, tags);
+  if (!encoding) return encoding.error();
+  encoding->swapped = true;
   RasterInfo info;
   info.path = path;
   info.format = "hgt";
   info.columns = info.rows = *posts;
-  info.nodata = kEncoding.nodata;
+  info.whole_metres = encoding->whole_metres();
+  info.nodata = encoding->nodata;
   const double spacing = 1.0 / static_cast<double>(*posts - 1);
   info.georeference.x0 = cell->west;
   info.georeference.y0 = cell->south + 1;
@@ -222,7 +233,7 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   info.georeference.dy = -spacing;
   if (auto placed = place_raster(info); !placed) return placed.error();
   std::unique_ptr<RasterSource> source = std::make_unique<HgtSource>(
-      std::move(info), std::move(*file), std::move(contents->packing), options.cache_bytes);
+      std::move(info), *encoding, std::move(*file), std::move(contents->packing), options.cache_bytes);
   return source;
 }
 

@@ -18,7 +18,7 @@
 
 #include "builder/raster/colour_encoding.h"
 #include "builder/raster/crs.h"
-#include "builder/raster/height_encoding.h"
+#include "builder/raster/height_tags.h"
 #include "builder/raster/raster_placement.h"
 #include "builder/raster/raster_source.h"
 
@@ -144,8 +144,11 @@ Result<Opened> open_dataset(const fs::path& path) {
 
 class GdalSource final : public RasterSource {
  public:
-  GdalSource(RasterInfo info, Opened opened, HeightEncoding encoding)
-      : RasterSource(std::move(info)), opened_(std::move(opened)), encoding_(encoding) {}
+  GdalSource(RasterInfo info, Opened opened, Result<HeightEncoding> encoding, ColourEncoding colours)
+      : RasterSource(std::move(info)),
+        opened_(std::move(opened)),
+        encoding_(std::move(encoding)),
+        colours_(std::move(colours)) {}
 
   Status read_heights(const PostWindow& window, std::span<float> out) const override;
   Status read_colours(const PostWindow& window, std::span<std::uint8_t> rgba) const override;
@@ -155,7 +158,8 @@ class GdalSource final : public RasterSource {
   Status apply_mask(const PostWindow& window, const std::function<void(std::size_t)>& absent) const;
 
   Opened opened_;
-  HeightEncoding encoding_;
+  Result<HeightEncoding> encoding_;  // an error matters to heights only: an image has any unit
+  ColourEncoding colours_;
   mutable std::mutex mutex_;  // a GDAL dataset serves one thread at a time
 };
 
@@ -181,13 +185,14 @@ Status GdalSource::apply_mask(const PostWindow& window,
 }
 
 Status GdalSource::read_heights(const PostWindow& window, std::span<float> out) const {
+  if (!encoding_) return encoding_.error();
   const Quiet quiet;
   const std::lock_guard lock(mutex_);
   GDALRasterBandH band = GDALGetRasterBand(opened_.dataset.get(), 1);
   std::vector<std::byte> samples(static_cast<std::size_t>(window.columns * window.rows) *
                                  size_of(info_.type));
   if (auto read = read_band(band, window, GDALGetRasterDataType(band), samples.data()); !read) return read;
-  decode_heights(encoding_, samples.data(), out.size(), 1, out.data());
+  decode_heights(*encoding_, samples.data(), out.size(), 1, out.data());
   return apply_mask(window, [&](std::size_t i) { out[i] = std::numeric_limits<float>::quiet_NaN(); });
 }
 
@@ -197,14 +202,9 @@ Status GdalSource::read_colours(const PostWindow& window, std::span<std::uint8_t
   if (info_.type != SampleType::uint8 && info_.type != SampleType::uint16)
     return bad_data(fmt::format("{}: image: expected samples of 8 or 16 bits, found {}", info_.path.string(),
                                 to_string(info_.type)));
-  ColourEncoding colours;
-  colours.type = info_.type;
-  colours.bits = info_.type == SampleType::uint8 ? 8 : 16;
-  colours.channels = info_.bands >= 3 ? std::vector{0, 1, 2} : std::vector{0};
-  colours.nodata = info_.nodata;
-  ColourAssembly assembly(colours, rgba);
+  ColourAssembly assembly(colours_, rgba);
   std::vector<std::byte> samples(rgba.size() / 4 * size_of(info_.type));
-  for (const int channel : colours.channels) {
+  for (const int channel : colours_.channels) {
     GDALRasterBandH band = GDALGetRasterBand(opened_.dataset.get(), channel + 1);
     if (auto read = read_band(band, window, GDALGetRasterDataType(band), samples.data()); !read) return read;
     assembly.add(channel, 0, rgba.size() / 4, samples.data(), 1);
@@ -213,27 +213,54 @@ Status GdalSource::read_colours(const PostWindow& window, std::span<std::uint8_t
   return apply_mask(window, [&](std::size_t i) { rgba[4 * i + 3] = 0; });
 }
 
-Result<HeightEncoding> encoding_of(GDALDatasetH dataset, const fs::path& path) {
-  GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
-  const auto type = sample_type(band);
-  if (!type)
-    return bad_data(fmt::format("{}: expected real samples of at most 64 bits, found {}", path.string(),
-                                GDALGetDataTypeName(GDALGetRasterDataType(band))));
-  const std::string unit = GDALGetRasterUnitType(band);
-  const double metres = metres_of_unit(unit);
-  if (metres == 0)
-    return bad_data(fmt::format("{}: heights: expected metres or feet, found {}", path.string(), unit));
-  HeightEncoding encoding{.type = *type};
+HeightTags height_tags_of(GDALRasterBandH band) {
+  HeightTags tags;
+  tags.unit = GDALGetRasterUnitType(band);
+  tags.metres = metres_of_unit(tags.unit);
   int has = 0;
   const double nodata = GDALGetRasterNoDataValue(band, &has);
-  if (has != 0) encoding.nodata = nodata;
+  if (has != 0) tags.nodata = nodata;
   const double scale = GDALGetRasterScale(band, &has);
-  if (has != 0 && scale != 0) encoding.scale = scale;
+  if (has != 0 && scale != 0) tags.scale = scale;
   const double offset = GDALGetRasterOffset(band, &has);
-  if (has != 0) encoding.offset = offset;
-  encoding.scale *= metres;
-  encoding.offset *= metres;
-  return encoding;
+  if (has != 0) tags.offset = offset;
+  return tags;
+}
+
+std::vector<std::uint8_t> palette_of(GDALRasterBandH band) {
+  GDALColorTableH table = GDALGetRasterColorTable(band);
+  std::vector<std::uint8_t> palette;
+  if (table == nullptr) return palette;
+  for (int i = 0; i < GDALGetColorEntryCount(table); ++i) {
+    GDALColorEntry colour{};
+    GDALGetColorEntryAsRGB(table, i, &colour);
+    for (const short channel : {colour.c1, colour.c2, colour.c3})
+      palette.push_back(static_cast<std::uint8_t>(channel));
+  }
+  return palette;
+}
+
+/// Colours by what the bands are said to be; three bands of which nothing is said are red, green and blue.
+ColourEncoding colours_of(GDALDatasetH dataset, SampleType type, std::optional<double> nodata) {
+  ColourEncoding colours;
+  colours.type = type;
+  colours.bits = type == SampleType::uint8 ? 8 : 16;
+  colours.nodata = nodata;
+  GDALRasterBandH first = GDALGetRasterBand(dataset, 1);
+  if (const char* bits = GDALGetMetadataItem(first, "NBITS", "IMAGE_STRUCTURE"))
+    if (const int n = std::atoi(bits); n >= 1 && n < colours.bits) colours.bits = n;
+  std::vector<int> found(3, -1);
+  const int bands = GDALGetRasterCount(dataset);
+  for (int b = bands; b >= 1; --b) {
+    const GDALColorInterp kind = GDALGetRasterColorInterpretation(GDALGetRasterBand(dataset, b));
+    if (kind >= GCI_RedBand && kind <= GCI_BlueBand)
+      found[static_cast<std::size_t>(kind - GCI_RedBand)] = b - 1;
+  }
+  const bool all = found[0] >= 0 && found[1] >= 0 && found[2] >= 0;
+  colours.channels = all ? found : bands >= 3 ? std::vector{0, 1, 2} : std::vector{0};
+  if (GDALGetRasterColorInterpretation(first) == GCI_PaletteIndex && colours.channels.size() == 1)
+    colours.palette = palette_of(first);
+  return colours;
 }
 
 /// A file that was cut shows at its last row, which GDAL does not look at before it is read.
@@ -251,22 +278,28 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path) {
   const Quiet quiet;
   auto opened = open_dataset(path);
   if (!opened) return opened.error();
-  const auto encoding = encoding_of(opened->dataset.get(), path);
-  if (!encoding) return encoding.error();
+  GDALRasterBandH band = GDALGetRasterBand(opened->dataset.get(), 1);
+  const auto type = sample_type(band);
+  if (!type)
+    return bad_data(fmt::format("{}: expected real samples of at most 64 bits, found {}", path.string(),
+                                GDALGetDataTypeName(GDALGetRasterDataType(band))));
+  const HeightTags tags = height_tags_of(band);
+  auto encoding = height_encoding_of(path, *type, tags);
   RasterInfo info;
   info.path = path;
   info.format = std::string("gdal ") + GDALGetDriverShortName(GDALGetDatasetDriver(opened->dataset.get()));
   info.columns = GDALGetRasterXSize(opened->dataset.get());
   info.rows = GDALGetRasterYSize(opened->dataset.get());
   info.bands = GDALGetRasterCount(opened->dataset.get());
-  info.type = encoding->type;
-  info.whole_metres = encoding->whole_metres();
+  info.type = *type;
+  info.whole_metres = encoding && encoding->whole_metres();
   info.georeference = opened->georeference;
-  info.nodata = encoding->nodata;
+  info.nodata = tags.nodata;
+  ColourEncoding colours = colours_of(opened->dataset.get(), info.type, info.nodata);
   if (auto placed = place_raster(info); !placed) return placed.error();
   if (auto last = check_last_row(opened->dataset.get(), path); !last) return last.error();
-  std::unique_ptr<RasterSource> source =
-      std::make_unique<GdalSource>(std::move(info), std::move(*opened), *encoding);
+  std::unique_ptr<RasterSource> source = std::make_unique<GdalSource>(
+      std::move(info), std::move(*opened), std::move(encoding), std::move(colours));
   return source;
 }
 

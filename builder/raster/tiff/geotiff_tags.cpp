@@ -216,29 +216,18 @@ Result<Georeference> georeference_of(const GeoTiffTags& tags, const std::filesys
   return g;
 }
 
-Result<HeightScale> height_scale_of(const GeoTiffTags& tags, const std::filesystem::path& path) {
-  HeightScale height;
-  const auto item = [&](const char* role) { return gdal_metadata_item(tags.gdal_metadata, role, 0); };
+HeightTags height_tags_of(const GeoTiffTags& tags, int band) {
+  HeightTags height;
+  const auto item = [&](const char* role) { return gdal_metadata_item(tags.gdal_metadata, role, band - 1); };
   if (const auto scale = item("scale")) height.scale = parse_number(*scale).value_or(1);
   if (const auto offset = item("offset")) height.offset = parse_number(*offset).value_or(0);
-  const std::string unit = item("unittype").value_or("");
-  const double metres = unit.empty() ? metres_of_vertical_keys(tags) : metres_of_unit(unit);
-  if (metres == 0)
-    return bad_data(fmt::format("{}: heights: expected metres or feet above a datum, found {}", path.string(),
-                                unit.empty()
-                                    ? fmt::format("the vertical CRS EPSG:{}, unit EPSG:{}",
-                                                  key(tags, kVerticalType), key(tags, kVerticalUnits))
-                                    : printable(unit)));
-  if (!std::isfinite(height.scale) || height.scale == 0 || !std::isfinite(height.offset))
-    return bad_data(
-        fmt::format("{}: heights: expected a scale above zero, found {}", path.string(), height.scale));
-  height.scale *= metres;
-  height.offset *= metres;
+  height.nodata = parse_number(tags.gdal_nodata);
+  height.unit = item("unittype").value_or("");
+  height.metres = height.unit.empty() ? metres_of_vertical_keys(tags) : metres_of_unit(height.unit);
+  if (height.unit.empty() && height.metres == 0)
+    height.unit = fmt::format("the vertical CRS EPSG:{}, unit EPSG:{}", key(tags, kVerticalType),
+                              key(tags, kVerticalUnits));
   return height;
-}
-
-std::optional<double> nodata_of(const GeoTiffTags& tags) {
-  return parse_number(tags.gdal_nodata);
 }
 
 }  // namespace cairn

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "builder/raster/georeference.h"
+#include "builder/raster/height_tags.h"
 #include "builder/raster/tiff/tiff_handle.h"
 #include "cairn/status.h"
 
@@ -43,14 +44,8 @@ Status read_crs(const GeoTiffTags& tags, const std::filesystem::path& path, Geor
 /// bad_data as read_crs() says, or where numbers are missing.
 Result<Georeference> georeference_of(const GeoTiffTags& tags, const std::filesystem::path& path);
 
-/// How samples become metres by the tags: the vertical unit, and GDAL's scale, offset and unit of band 1.
-struct HeightScale {
-  double scale = 1;
-  double offset = 0;
-};
-Result<HeightScale> height_scale_of(const GeoTiffTags& tags, const std::filesystem::path& path);
-
-/// The nodata value, where there is one that is a number ("nan" is).
-std::optional<double> nodata_of(const GeoTiffTags& tags);
+/// What the tags say of a band's heights: GDAL's nodata, scale, offset and unit, else the vertical CRS's
+/// unit. `band` from 1.
+HeightTags height_tags_of(const GeoTiffTags& tags, int band);
 
 }  // namespace cairn

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "builder/raster/height_encoding.h"
+#include "cairn/status.h"
+
+namespace cairn {
+
+/// What a file says of its heights besides their type.
+struct HeightTags {
+  std::optional<double> nodata;
+  double scale = 1;   ///< height in the unit = sample · scale + offset
+  double offset = 0;  ///< in the unit
+  /// As the file spells the unit; empty where it says none, which is the metre.
+  std::string unit;
+  /// Metres of the unit; 0 where it is no length upwards that cairn knows.
+  double metres = 1;
+};
+
+/// The encoding that the tags make. bad_data where the unit is unknown, the scale zero or a number not
+/// finite.
+Result<HeightEncoding> height_encoding_of(const std::filesystem::path& path, SampleType type,
+                                          const HeightTags& tags);
+
+}  // namespace cairn

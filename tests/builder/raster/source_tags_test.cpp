@@ -1,0 +1,216 @@
+// What a file, its side-cars and the user say of a source: nodata, masks, units, datums, bands.
+
+#include <cmath>
+#include <limits>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+#include <tiffio.h>
+
+#include "builder/raster/pam_sidecar.h"
+#include "tests/support/dem_files.h"
+#include "tests/support/gdal_oracle.h"
+
+namespace cairn::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kFoot = 0.3048, kSurveyFoot = 1200.0 / 3937.0;
+
+TiffRecipe level_ground(double height, SampleType type = SampleType::float32) {
+  TiffRecipe recipe;
+  recipe.type = type;
+  recipe.sample = [height](int, std::int64_t, std::int64_t) { return height; };
+  return recipe;
+}
+
+std::string band_item(const std::string& element, const std::string& value) {
+  return fmt::format("<PAMDataset><PAMRasterBand band=\"1\"><{0}>{1}</{0}></PAMRasterBand></PAMDataset>",
+                     element, value);
+}
+
+}  // namespace
+
+TEST_CASE("a nodata value of any size makes voids of the samples that have it, and of no others") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.tif";
+  constexpr double kMost = std::numeric_limits<double>::max(),
+                   kInfinity = std::numeric_limits<double>::infinity();
+  struct Case {
+    SampleType type;
+    double value;
+    const char* tag;
+  };
+  for (const Case& c :
+       {Case{SampleType::float64, -kMost, "-1.7976931348623157e+308"},
+        Case{SampleType::float64, kMost, "1.7976931348623157e308"},
+        Case{SampleType::float64, -kInfinity, "-inf"}, Case{SampleType::float64, 1e300, "1e300"},
+        Case{SampleType::float32, kInfinity, "inf"}, Case{SampleType::float32, -kInfinity, "-inf"},
+        Case{SampleType::float32, std::numeric_limits<float>::max(), "3.4028234663852886e+38"},
+        Case{SampleType::float32, std::numeric_limits<float>::lowest(), "-3.40282e+38"}}) {
+    INFO(c.tag);
+    TiffRecipe recipe = level_ground(500, c.type);
+    recipe.nodata = c.tag;
+    recipe.sample = [&](int, std::int64_t column, std::int64_t) { return column == 3 ? c.value : 500.0; };
+    write_tiff(path, recipe);
+    const auto heights = all_heights(*opened(path));
+    CHECK(std::isnan(heights[3]));
+    CHECK(heights[2] == 500);
+    CHECK(heights[4] == 500);
+  }
+}
+
+TEST_CASE("a mask beside the file leaves out what it marks, in heights and in colours") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.tif";
+  TiffRecipe mask = level_ground(0, SampleType::uint8);
+  mask.keys.clear();
+  mask.sample = [](int, std::int64_t column, std::int64_t) { return column == 5 ? 0.0 : 255.0; };
+  write_tiff(fs::path(path).concat(".msk"), mask);
+  write_tiff(path, level_ground(300));
+  const auto heights = all_heights(*opened(path));
+  CHECK(heights[4] == 300);
+  CHECK(std::isnan(heights[5]));
+
+  TiffRecipe image = level_ground(100, SampleType::uint8);
+  image.bands = 3;
+  image.photometric = PHOTOMETRIC_RGB;
+  write_tiff(path, image);
+  const auto colours = all_colours(*opened(path));
+  CHECK(colours[4 * 4 + 3] == 255);
+  CHECK(colours[4 * 5 + 3] == 0);
+
+  mask.columns = 7;
+  write_tiff(fs::path(path).concat(".msk"), mask);
+  CHECK(complaint_of(path).find("mask: expected the image's size, 100×80, found 7×80") != std::string::npos);
+}
+
+TEST_CASE("nodata, unit, scale and offset count from a side-car; statistics do not") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.tif";
+  const fs::path sidecar = fs::path(path).concat(".aux.xml");
+  TiffRecipe recipe = level_ground(1000);
+  recipe.nodata = "-1";
+  recipe.sample = [](int, std::int64_t column, std::int64_t) { return column == 3 ? -500.0 : 1000.0; };
+  write_tiff(path, recipe);
+  write_text(sidecar, band_item("NoDataValue", "-5.000000000000e+02"));
+  CHECK(std::isnan(all_heights(*opened(path))[3]));
+  write_text(sidecar, band_item("UnitType", "Feet"));
+  CHECK(all_heights(*opened(path))[0] == Approx(1000 * kFoot));
+  write_text(sidecar,
+             "<PAMDataset><PAMRasterBand band=\"1\"><UnitType>ft</UnitType><Offset>100</Offset>"
+             "<Scale>0.5</Scale></PAMRasterBand></PAMDataset>");
+  CHECK(all_heights(*opened(path))[0] == Approx(600 * kFoot));
+  write_text(sidecar, band_item("Metadata", "<MDI key=\"STATISTICS_MAXIMUM\">-1000</MDI>"));
+  CHECK(all_heights(*opened(path))[0] == 1000);
+  CHECK(all_heights(*opened(path))[3] == -500);
+  write_text(sidecar, band_item("UnitType", "fathom"));
+  CHECK(complaint_of(path).find("heights: expected metres or feet above a datum, found fathom") !=
+        std::string::npos);
+
+  const auto hgt = folder.path() / "N10E010.hgt";
+  write_bytes(hgt, hgt_bytes(1201));
+  const float plain = all_heights(*opened(hgt))[7];
+  write_text(fs::path(hgt).concat(".aux.xml"), band_item("UnitType", "foot"));
+  CHECK(all_heights(*opened(hgt))[7] == Approx(static_cast<double>(plain) * kFoot));
+}
+
+TEST_CASE("a side-car that was cut off anywhere is taken for what it still says") {
+  const std::string whole =
+      "<PAMDataset><SRS>x</SRS><PAMRasterBand band=\"2\"><NoDataValue>9</NoDataValue></PAMRasterBand>"
+      "<PAMRasterBand band=\"1\"><Description/><NoDataValue le_hex_equiv=\"00\">-7</NoDataValue><UnitType/>"
+      "</PAMRasterBand></PAMDataset>";
+  CHECK(parse_pam(whole, 1).nodata == -7.0);
+  CHECK(parse_pam(whole, 2).nodata == 9.0);
+  CHECK_FALSE(parse_pam(whole, 3).nodata);
+  CHECK(parse_pam(whole, 1).places);
+  CHECK_FALSE(parse_pam(whole, 1).unit);
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    const auto pam = parse_pam(std::string_view(whole).substr(0, length), 1);
+    CHECK((!pam.nodata || *pam.nodata == -7.0));
+  }
+}
+
+TEST_CASE("units are known in any case, as the band says") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.tif";
+  const auto height_in = [&](const std::string& unit) {
+    TiffRecipe recipe = level_ground(1000);
+    recipe.gdal_metadata = fmt::format(
+        "<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">{}</Item></GDALMetadata>",
+        unit);
+    write_tiff(path, recipe);
+    return static_cast<double>(all_heights(*opened(path))[0]);
+  };
+  for (const char* metre : {"m", "M", "Metre", "METERS", "meter"}) CHECK(height_in(metre) == 1000);
+  for (const char* foot : {"ft", "FT", "Foot", "FEET", "International Foot"})
+    CHECK(height_in(foot) == Approx(1000 * kFoot).epsilon(1e-9));
+  for (const char* foot : {"US survey foot", "US_Survey_Foot", "ftUS", "us-ft", "Foot_US"})
+    CHECK(height_in(foot) == Approx(1000 * kSurveyFoot).epsilon(1e-9));
+  CHECK(height_in("cm") == Approx(10));
+}
+
+TEST_CASE("an image's unit is not looked at, that of heights is") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.tif";
+  TiffRecipe recipe = level_ground(100, SampleType::uint8);
+  recipe.gdal_metadata =
+      "<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">counts</Item></GDALMetadata>";
+  write_tiff(path, recipe);
+  CHECK(complaint_of(path).find("found counts") != std::string::npos);
+  CHECK(all_colours(*opened(path))[0] == 100);
+}
+
+TEST_CASE("images of 9 to 15 bits are scaled by their bits, not by their type's") {
+  const TempDir folder;
+  const auto wide = folder.path() / "wide.tif", narrow = folder.path() / "narrow.tif";
+  for (const int bits : {9, 10, 11, 12, 15}) {
+    TiffRecipe recipe;
+    recipe.type = SampleType::uint16;
+    recipe.bands = 3;
+    recipe.photometric = PHOTOMETRIC_RGB;
+    const double white = (1 << bits) - 1;
+    recipe.sample = [white](int band, std::int64_t, std::int64_t) {
+      return std::round((200.0 - 75 * band) / 255 * white);
+    };
+    write_tiff(wide, recipe);
+    if (!run_gdal(fmt::format("gdal_translate -q -co NBITS={} {} {}", bits, wide.string(), narrow.string())))
+      return;
+    const auto colours = all_colours(*opened(narrow));
+    INFO(bits);
+    CHECK(std::abs(colours[0] - 200) <= 1);
+    CHECK(std::abs(colours[1] - 125) <= 1);
+    CHECK(std::abs(colours[2] - 50) <= 1);
+  }
+}
+
+TEST_CASE("GDAL's colour interpretation and palettes make the colours") {
+  const TempDir folder;
+  const auto tif = folder.path() / "x.tif", vrt = folder.path() / "x.vrt";
+  TiffRecipe recipe = level_ground(0, SampleType::uint8);
+  recipe.bands = 4;
+  recipe.photometric = PHOTOMETRIC_MINISBLACK;
+  recipe.extra_samples = {0, 0, 0};
+  recipe.sample = [](int band, std::int64_t, std::int64_t) { return 10.0 * (band + 1); };
+  write_tiff(tif, recipe);
+  if (!run_gdal(fmt::format("gdal_translate -q -of VRT -colorinterp undefined,blue,green,red {} {}",
+                            tif.string(), vrt.string())))
+    return;
+  const auto colours = all_colours(*opened(vrt));
+  CHECK(colours[0] == 40);
+  CHECK(colours[1] == 30);
+  CHECK(colours[2] == 20);
+
+  write_text(
+      vrt,
+      "<VRTDataset rasterXSize=\"4\" rasterYSize=\"4\"><SRS>EPSG:4326</SRS>"
+      "<GeoTransform>10, 0.1, 0, 50, 0, -0.1</GeoTransform><VRTRasterBand dataType=\"Byte\" band=\"1\">"
+      "<ColorInterp>Palette</ColorInterp><ColorTable><Entry c1=\"1\" c2=\"2\" c3=\"3\" c4=\"255\"/>"
+      "<Entry c1=\"11\" c2=\"22\" c3=\"33\" c4=\"255\"/></ColorTable></VRTRasterBand></VRTDataset>");
+  const auto indexed = all_colours(*opened(vrt));
+  CHECK(indexed[0] == 1);
+  CHECK(indexed[2] == 3);
+}
+
+}  // namespace cairn::test
