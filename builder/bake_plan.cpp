@@ -56,6 +56,7 @@ Result<BakePlan> plan_bake(const BuildOptions& options, int threads) {
     auto plan = HeightPlan::make(*layers.heights, options.mosaic, options.heights, options.grid);
     if (!plan) return plan.error();
     layers.plan = std::move(*plan);
+    layers.heights->set_tolerance(layers.plan->tolerance());
   }
   if (with_imagery) {
     auto mosaic = ImageryMosaic::open(options.imagery, options.grid.tile_size - 1, cache);

@@ -17,11 +17,12 @@ struct Words;
 
 template <>
 struct Words<ResampleMethod> {
-  static constexpr std::array<std::pair<ResampleMethod, const char*>, 4> all{
+  static constexpr std::array<std::pair<ResampleMethod, const char*>, 5> all{
       {{ResampleMethod::nearest, "nearest"},
        {ResampleMethod::bilinear, "bilinear"},
        {ResampleMethod::cubic, "cubic"},
-       {ResampleMethod::exact, "exact"}}};
+       {ResampleMethod::exact, "exact"},
+       {ResampleMethod::smooth, "smooth"}}};
 };
 
 template <>

@@ -156,16 +156,21 @@ void add_accuracy_options(CLI::App& verb, BakeArguments& arguments) {
   const std::map<std::string, ResampleMethod> methods{{"nearest", ResampleMethod::nearest},
                                                       {"bilinear", ResampleMethod::bilinear},
                                                       {"cubic", ResampleMethod::cubic},
-                                                      {"exact", ResampleMethod::exact}};
+                                                      {"exact", ResampleMethod::exact},
+                                                      {"smooth", ResampleMethod::smooth}};
   verb.add_option("--max-error", o.mosaic.max_error_m,
                   "error bound: metres that no post is off by (0.5 for whole metres, else 0.05)")
       ->check(CLI::Range(1e-4, 1e4));
   verb.add_option("--quantum", o.heights.quantum_m, "step in which heights are stored, metres")
       ->check(CLI::Range(1e-5, 1e3));
   verb.add_flag("--allow-error", o.heights.allow_error, "an exceeded error bound is a warning");
-  verb.add_option("--resampling", o.mosaic.resampling, "nearest, bilinear, cubic or exact")
+  verb.add_option("--resampling", o.mosaic.resampling,
+                  "smooth: the surface is smooth and within the error bound at every post; exact: it passes "
+                  "through the posts; cubic, bilinear, nearest: the posts are not kept")
       ->transform(one_of(methods))
-      ->default_str("exact");
+      ->default_str("smooth");
+  verb.add_flag_callback(
+      "--exact", [&o] { o.mosaic.resampling = ResampleMethod::exact; }, "as --resampling exact");
 }
 
 void add_datum_options(CLI::App& verb, BakeArguments& arguments) {

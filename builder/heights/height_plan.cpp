@@ -53,14 +53,28 @@ Status HeightPlan::choose_levels(const MosaicOptions& asked, const GridOptions& 
   return {};
 }
 
-// Where heights are stored as the sources have them, their own step keeps any error bound. Elsewhere the
-// rounding may use up half of E at most; for whole metres a quarter keeps slopes smooth between the posts.
-void HeightPlan::choose_quantum(const MosaicOptions& asked, const HeightOptions& heights) {
+// Where heights are stored as the sources have them, their own step keeps any error bound. Elsewhere rounding
+// and smooth resampling share E. Steps of whole-metre sources are as coarse as leaves slopes, over the
+// distance of two posts, less noise than the posts' own have (docs/resampling.md): where samples are much
+// denser than posts, such a slope takes in more of them. Posts that are met exactly have steps of a quarter
+// metre.
+double HeightPlan::default_quantum(ResampleMethod resampling) const {
+  constexpr double dense = 1.5;  // samples for each post
   const bool whole = mosaic_->whole_metres();
-  error_bound_m_ = asked.max_error_m.value_or(whole ? 0.5 : 0.05);
-  const double step = whole && mosaic_->posts_are_samples() ? 1.0 : whole ? 0.25 : 0.02;
-  quantum_m_ = heights.quantum_m.value_or(
-      whole && mosaic_->posts_are_samples() ? 1.0 : std::min(step, error_bound_m_ / 2));
+  if (whole && mosaic_->posts_are_samples()) return 1;
+  if (!whole) return std::min(0.02, error_bound_m_ / 2);
+  if (resampling != ResampleMethod::smooth) return std::min(0.25, error_bound_m_ / 2);
+  return std::min(0.5, error_bound_m_) * (mosaic_->samples_per_post() >= dense ? 1.2 : 1);
+}
+
+void HeightPlan::choose_quantum(const MosaicOptions& asked, const HeightOptions& heights) {
+  error_bound_m_ = asked.max_error_m.value_or(mosaic_->whole_metres() ? 0.5 : 0.05);
+  quantum_m_ = heights.quantum_m.value_or(default_quantum(asked.resampling));
+}
+
+SmoothTolerance HeightPlan::tolerance() const {
+  constexpr double float_rounding = 0.001;  // of samples at heights up to 16 km
+  return {std::max(0.0, error_bound_m_ - quantum_m_ / 2 - float_rounding), error_bound_m_ / 2};
 }
 
 Result<HeightPlan> HeightPlan::make(const Mosaic& mosaic, const MosaicOptions& asked,

@@ -22,6 +22,9 @@ class HeightPlan {
   double error_bound_m() const { return error_bound_m_; }  ///< E
   double quantum_m() const { return quantum_m_; }
 
+  /// What is left of the error bound for the surface before it is rounded to quanta.
+  SmoothTolerance tolerance() const;
+
   /// The tiles, before pruning leaves any out.
   const TileTree& tree() const { return tree_; }
   /// Which posts of a leaf are its own to count.
@@ -30,6 +33,7 @@ class HeightPlan {
  private:
   explicit HeightPlan(const Mosaic& mosaic);
   Status choose_levels(const MosaicOptions& asked, const GridOptions& grid);
+  double default_quantum(ResampleMethod resampling) const;
   void choose_quantum(const MosaicOptions& asked, const HeightOptions& heights);
 
   const Mosaic* mosaic_;

@@ -82,6 +82,7 @@ Result<ErrorStats> measure_pack(const PackReader& pack, const MosaicOptions& ask
   if (!mosaic) return mosaic.error();
   const auto plan = HeightPlan::make(**mosaic, asked, heights, grid);
   if (!plan) return plan.error();
+  (*mosaic)->set_tolerance(plan->tolerance());
   std::vector<TileId> leaves;
   for (const TileId& unit : plan->tree().units()) {
     for (const TileId& leaf : plan->tree().leaves(unit)) leaves.push_back(leaf);

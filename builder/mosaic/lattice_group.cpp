@@ -108,12 +108,14 @@ LatticeGroup::LatticeGroup(RasterPool& pool, const Geoid* geoid, const Lattice& 
       lat_(lattice.lat, samples_per_degree, method),
       lon_positions_(lattice.lon, samples_per_degree),
       lat_positions_(lattice.lat, samples_per_degree),
+      method_(method),
       around_(lattice.posts_around().value_or(kNeverWraps)),
       fill_(extents_of(pool, members_), around_,
             [this](IndexRange columns, IndexRange rows) { return read_posts(columns, rows); }) {
   assert(members_.size() < PostBlock::kVoid - 1u);
   native_level_ = native_level;
   spacing_degrees_ = 1.0 / std::min(lattice.lon.posts_per_degree, lattice.lat.posts_per_degree);
+  samples_per_post_ = std::min(lon_positions_.ratio(), lat_positions_.ratio());
   posts_on_samples_ = lon_positions_.all_posts_on_samples() && lat_positions_.all_posts_on_samples();
   for (const Member& m : members_) {
     const RasterInfo& info = pool.info(m.source);
@@ -273,17 +275,15 @@ MeasuredPosts LatticeGroup::posts_of(const SampleWindow& window, PostBlock&& blo
 Result<GroupSamples> LatticeGroup::sample(const SampleWindow& window) const {
   const IndexRange columns = range_of(window.column, window.columns);
   const IndexRange rows = range_of(window.row, window.rows);
-  const IndexWindow wanted{hull(lon_.posts_for(columns), posts_within(lon_positions_, columns)),
-                           hull(lat_.posts_for(rows), posts_within(lat_positions_, rows))};
+  const IndexWindow wanted = posts_for(columns, rows);
   auto block = read_posts(wanted.x, wanted.y);
   if (!block) return block.error();
 
   GroupSamples samples;
   samples.heights.resize(window.count());
-  const IndexWindow from{wanted.x, wanted.y};
   const IndexWindow to{columns, rows};
   if (all_have_values(block->owners)) {
-    resample_lattice(lon_, lat_, from, block->heights, to, samples.heights);
+    resample(wanted, block->heights, to, samples.heights);
     samples.posts = posts_of(window, std::move(*block));
     return samples;
   }
@@ -295,8 +295,24 @@ Result<GroupSamples> LatticeGroup::sample(const SampleWindow& window) const {
     samples.fill_weights = std::move(*weights);
   }
   if (auto status = fill_.complete(*block); !status) return status.error();
-  resample_lattice(lon_, lat_, from, block->heights, to, samples.heights);
+  resample(wanted, block->heights, to, samples.heights);
   return samples;
+}
+
+IndexWindow LatticeGroup::posts_for(IndexRange columns, IndexRange rows) const {
+  if (method_ == ResampleMethod::smooth) {
+    return {SmoothAxis(lon_positions_, columns).posts, SmoothAxis(lat_positions_, rows).posts};
+  }
+  return {hull(lon_.posts_for(columns), posts_within(lon_positions_, columns)),
+          hull(lat_.posts_for(rows), posts_within(lat_positions_, rows))};
+}
+
+// REQUIRES: `from` is posts_for() of the samples.
+void LatticeGroup::resample(const IndexWindow& from, std::span<const float> posts, const IndexWindow& samples,
+                            std::span<float> out) const {
+  if (method_ != ResampleMethod::smooth) return resample_lattice(lon_, lat_, from, posts, samples, out);
+  smooth_lattice(SmoothAxis(lon_positions_, samples.x), SmoothAxis(lat_positions_, samples.y), tolerance_,
+                 posts, samples, out);
 }
 
 }  // namespace cairn

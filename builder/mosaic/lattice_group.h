@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "builder/mosaic/geoid.h"
@@ -11,6 +12,7 @@
 #include "builder/resample/axis_resampler.h"
 #include "builder/resample/post_block.h"
 #include "builder/resample/resample_lattice.h"
+#include "builder/resample/smooth_lattice.h"
 #include "builder/voids/lattice_fill.h"
 
 namespace cairn {
@@ -36,6 +38,9 @@ class LatticeGroup final : public SourceGroup {
   Result<PostBlock> read_posts(IndexRange columns, IndexRange rows) const;
 
  private:
+  IndexWindow posts_for(IndexRange columns, IndexRange rows) const;
+  void resample(const IndexWindow& from, std::span<const float> posts, const IndexWindow& samples,
+                std::span<float> out) const;
   Status read_member(std::size_t member, std::int64_t turn, PostBlock& block) const;
   std::vector<SampleState> states_of(const SampleWindow& window, const PostBlock& block) const;
   Result<std::vector<float>> fill_weights(const SampleWindow& window) const;
@@ -49,6 +54,7 @@ class LatticeGroup final : public SourceGroup {
   AxisResampler lat_;
   AxisPositions lon_positions_;
   AxisPositions lat_positions_;
+  ResampleMethod method_;
   std::int64_t
       around_;  ///< posts around the Earth; so many that nothing wraps where 360 degrees are no whole number
   LatticeFill fill_;

@@ -98,6 +98,16 @@ bool Mosaic::is_global() const {
   });
 }
 
+double Mosaic::samples_per_post() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& group : groups_) least = std::min(least, group->samples_per_post());
+  return least;
+}
+
+void Mosaic::set_tolerance(const SmoothTolerance& tolerance) {
+  for (const auto& group : groups_) group->set_tolerance(tolerance);
+}
+
 bool Mosaic::posts_are_samples() const {
   return !geoid_ && groups_.size() == 1 && groups_.front()->posts_on_samples();
 }

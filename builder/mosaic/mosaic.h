@@ -44,6 +44,10 @@ class Mosaic {
   GeoBounds bounds() const;
   bool is_global() const;
   bool whole_metres() const { return whole_metres_; }
+  /// Samples for each post along an axis, the least of any source.
+  double samples_per_post() const;
+  /// How smooth resampling keeps the posts. Before any sample() only.
+  void set_tolerance(const SmoothTolerance& tolerance);
   /// Whether heights can be stored as the sources have them: every post lies on a sample, and none is
   /// converted.
   bool posts_are_samples() const;

@@ -6,6 +6,7 @@
 
 #include "builder/mosaic/sample_window.h"
 #include "builder/raster/footprint.h"
+#include "builder/resample/smooth_tolerance.h"
 #include "cairn/status.h"
 
 namespace cairn {
@@ -50,6 +51,8 @@ class SourceGroup {
   int native_level() const { return native_level_; }
   /// Degrees between posts, the larger of both axes.
   double spacing_degrees() const { return spacing_degrees_; }
+  /// Samples for each post along an axis, the lesser of both axes.
+  double samples_per_post() const { return samples_per_post_; }
   /// Whether every post lies on a sample.
   bool posts_on_samples() const { return posts_on_samples_; }
   /// Whether its heights go on smoothly beyond its footprint, to fade there; else it ends where its posts
@@ -62,6 +65,8 @@ class SourceGroup {
   /// How the group ends, beyond its footprint and inside its voids, in degrees: so far it counts alone, and
   /// so much farther it fades into what lies beneath (0 where nothing does). Before any sample() only.
   virtual void set_reach(double solid_degrees, double fade_degrees) = 0;
+  /// How smooth resampling keeps the posts. Before any sample() only.
+  void set_tolerance(const SmoothTolerance& tolerance) { tolerance_ = tolerance; }
 
   /// REQUIRES: the window has the native level's density.
   virtual Result<GroupSamples> sample(const SampleWindow& window) const = 0;
@@ -69,10 +74,12 @@ class SourceGroup {
  protected:
   int native_level_ = 0;
   double spacing_degrees_ = 0;
+  double samples_per_post_ = 1;
   bool posts_on_samples_ = false;
   bool reaches_beyond_footprint_ = true;
   Footprint footprint_;
   std::vector<std::size_t> sources_;
+  SmoothTolerance tolerance_;
 };
 
 }  // namespace cairn

@@ -24,7 +24,8 @@ std::int64_t AxisResampler::longest_run() const {
 
 bool AxisResampler::is_well_conditioned() const {
   constexpr std::int64_t longest_allowed = 32;
-  return method_ != ResampleMethod::exact || longest_run() <= longest_allowed;
+  const bool needs_runs = method_ == ResampleMethod::exact || method_ == ResampleMethod::smooth;
+  return !needs_runs || longest_run() <= longest_allowed;
 }
 
 IndexRange AxisResampler::posts_at(std::int64_t sample) const {

@@ -24,8 +24,9 @@ class AxisResampler {
   /// every post lies on a sample; INT64_MAX where runs have no end, or an interval can hold two posts.
   std::int64_t longest_run() const;
 
-  /// Whether the method can be used: always, but for exact only where no run is longer than 32 posts, that is
-  /// from 1.032 samples a post, or with every post on a sample. Otherwise choose the next finer level.
+  /// Whether the method can be used: always, but for exact and smooth only where no run is longer than 32
+  /// posts, that is from 1.032 samples a post, or with every post on a sample. Otherwise choose the next
+  /// finer level.
   bool is_well_conditioned() const;
 
   /// The posts that these samples depend on. REQUIRES: is_well_conditioned(), samples not empty.

@@ -25,4 +25,7 @@ struct AxisWeights {
   std::span<const double> weights_of(const Row& row) const;
 };
 
+/// The posts that the rows depend on. REQUIRES: rows not empty, each of a post at least.
+IndexRange posts_of(std::span<const AxisWeights::Row> rows);
+
 }  // namespace cairn

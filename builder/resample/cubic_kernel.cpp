@@ -23,6 +23,7 @@ PostTaps taps_at(const AxisPositions& axis, std::int64_t sample, ResampleMethod 
       return {below, 2, {1 - f, f}};
     case ResampleMethod::cubic:
     case ResampleMethod::exact:
+    case ResampleMethod::smooth:
       break;
   }
   return {below - 1, 4, catmull_rom(f)};

@@ -142,4 +142,22 @@ void append_exact_rows(const AxisPositions& axis, const PostRun& run, IndexRange
   }
 }
 
+void append_correction_rows(const AxisPositions& axis, const PostRun& run, AxisWeights& to) {
+  const RunRows rows = rows_of(axis, run);
+  assert(rows.touched == run.samples);
+  WeightRows lambda(run.posts, run.posts.count());
+  for (std::size_t i = 0; i < rows.all.size(); ++i) {
+    lambda.at(i, run.posts.first + static_cast<std::int64_t>(i)) = 1;
+  }
+  solve(lambda, rows.all);
+  WeightRows correction(run.posts, rows.touched.count());
+  for (std::size_t i = 0; i < rows.all.size(); ++i) {
+    add_multiple(correction.row(i), rows.all[i][0], lambda.row(i));
+    add_multiple(correction.row(i + 1), rows.all[i][1], lambda.row(i));
+  }
+  for (std::int64_t k = 0; k < rows.touched.count(); ++k) {
+    to.append(run.posts.first, correction.row(static_cast<std::size_t>(k)));
+  }
+}
+
 }  // namespace cairn

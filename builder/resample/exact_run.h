@@ -23,4 +23,9 @@ IndexRange posts_under(const AxisPositions& axis, const PostRun& run);
 /// REQUIRES: both within run.samples.
 void append_exact_rows(const AxisPositions& axis, const PostRun& run, IndexRange samples, AxisWeights& to);
 
+/// Appends the weights by which all samples of the run take up what is missing at its posts, Aᵀ(AAᵀ)⁻¹ in the
+/// notation of AxisResampler: a row of run.posts for each of run.samples. REQUIRES: no post of the run
+/// touches a sample that another post lies on, as it is from one sample per post on.
+void append_correction_rows(const AxisPositions& axis, const PostRun& run, AxisWeights& to);
+
 }  // namespace cairn

@@ -5,48 +5,10 @@
 #include <cassert>
 #include <vector>
 
-#include "builder/resample/weighted_row_sum.h"
+#include "builder/resample/row_passes.h"
 
 namespace cairn {
 namespace {
-
-constexpr std::ptrdiff_t kBlock = 64;  // columns at a time, so that what is between the passes stays in cache
-
-template <class T>
-void transpose(Rows<const T> in, std::ptrdiff_t rows, std::ptrdiff_t columns, Rows<double> out) {
-  constexpr std::ptrdiff_t tile = 8;
-  for (std::ptrdiff_t r0 = 0; r0 < rows; r0 += tile) {
-    const std::ptrdiff_t r1 = std::min(r0 + tile, rows);
-    for (std::ptrdiff_t c = 0; c < columns; ++c) {
-      for (std::ptrdiff_t r = r0; r < r1; ++r) out.row(c)[r] = static_cast<double>(in.row(r)[c]);
-    }
-  }
-}
-
-// Doubles that are laid out anew for each block and allocated once.
-class Scratch {
- public:
-  Rows<double> shape(std::ptrdiff_t rows, std::ptrdiff_t columns) {
-    numbers_.resize(std::max(numbers_.size(), static_cast<std::size_t>(rows * columns)));
-    return {numbers_.data(), columns};
-  }
-
- private:
-  std::vector<double> numbers_;
-};
-
-Rows<const double> read(Rows<double> rows, std::ptrdiff_t from = 0) {
-  return {rows.row(from), rows.stride};
-}
-
-IndexRange posts_of(std::span<const AxisWeights::Row> rows) {
-  IndexRange posts{rows.front().first, rows.front().first};
-  for (const AxisWeights::Row& row : rows) {
-    posts.first = std::min(posts.first, row.first);
-    posts.last = std::max(posts.last, row.first + row.count - 1);
-  }
-  return posts;
-}
 
 bool picks_posts(const AxisWeights& weights) {
   return std::all_of(weights.rows.begin(), weights.rows.end(), [&](const AxisWeights::Row& row) {
@@ -78,7 +40,7 @@ void pick(const AxisWeights& x, const AxisWeights& y, IndexWindow window, Rows<c
 // A block of sample columns: along x over transposed posts, so that both passes combine whole rows, then
 // along y.
 void combine_block(const AxisWeights& x, std::ptrdiff_t first, std::ptrdiff_t width, const AxisWeights& y,
-                   IndexWindow window, Rows<const float> posts, std::array<Scratch, 3>& scratch,
+                   IndexWindow window, Rows<const float> posts, std::array<Scratch<double>, 3>& scratch,
                    Rows<float> out) {
   const auto columns =
       std::span(x.rows).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(width));
@@ -114,10 +76,10 @@ void resample_lattice(const AxisResampler& x, const AxisResampler& y, IndexWindo
   const Rows<const float> from{posts.data(), post_window.x.count()};
   if (picks_posts(to_x) && picks_posts(to_y)) return pick(to_x, to_y, post_window, from, out.data());
 
-  std::array<Scratch, 3> scratch;
+  std::array<Scratch<double>, 3> scratch;
   const std::ptrdiff_t columns = sample_window.x.count();
-  for (std::ptrdiff_t first = 0; first < columns; first += kBlock) {
-    combine_block(to_x, first, std::min(kBlock, columns - first), to_y, post_window, from, scratch,
+  for (std::ptrdiff_t first = 0; first < columns; first += kStripColumns) {
+    combine_block(to_x, first, std::min(kStripColumns, columns - first), to_y, post_window, from, scratch,
                   {out.data(), columns});
   }
 }

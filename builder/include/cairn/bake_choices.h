@@ -10,6 +10,7 @@ enum class ResampleMethod {
   bilinear,  ///< between the two posts around the sample
   cubic,     ///< Catmull-Rom through the four posts around it (Keys 1981, a = -1/2)
   exact,     ///< cubic, corrected so that the samples' linear interpolant passes through every post
+  smooth,    ///< cubic of smoothed posts, corrected only where it leaves an interval around a post
 };
 
 /// What becomes of places without a source.

@@ -16,7 +16,7 @@ struct MosaicOptions {
   std::optional<int> level;  ///< the finest level; by default what the finest source needs
   /// The error bound E in metres; by default 0.5 for whole-metre sources, 0.05 for others.
   std::optional<double> max_error_m;
-  ResampleMethod resampling = ResampleMethod::exact;
+  ResampleMethod resampling = ResampleMethod::smooth;
   VerticalDatum datum = VerticalDatum::unknown;  ///< of the sources; with a geoid the pack's is the ellipsoid
   std::optional<std::filesystem::path> geoid;    ///< undulations in metres, added to every post
 };
