@@ -19,7 +19,7 @@ int main(int argc, char **argv) {
   }
   const cairn_result sampled = cairn_sample_heights(pack, count, lon, lat, height_m, &error);
   if (sampled != CAIRN_OK) fprintf(stderr, "%s\n", error.text);
-  for (size_t i = 0; i < count; ++i) printf("%g %g %.3f\n", lon[i], lat[i], height_m[i]);
+  for (size_t i = 0; i < count; ++i) printf("%g %g %.4f\n", lon[i], lat[i], height_m[i]);
   printf("%.40s...\n", cairn_info(pack));
 
   free(lon);

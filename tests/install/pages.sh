@@ -38,7 +38,7 @@ for page in "$prefix"/share/man/man1/*.1; do
   if command -v groff >/dev/null; then
     faults=$(groff -man -Tutf8 -ww -z "$page" 2>&1)
     [ -z "$faults" ] || fail "$page: expected no warnings of groff, found $faults"
-    text=$(groff -man -Tascii "$page")
+    text=$(groff -man -Tascii -P-cbou "$page")
     [[ $text == *--help* ]] || fail "$page: expected the option --help, found none"
   fi
 done
