@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "builder/heights/rqt_layer.h"
 #include "builder/imagery/texture_tile_encode.h"
 #include "builder/options_json.h"
+#include "builder/raster/footprint.h"
 
 namespace cairn {
 namespace {
@@ -56,13 +58,37 @@ Json source_of(const RasterInfo& info, std::uint64_t hash) {
   return source;
 }
 
-// `hashes` are those of all inputs, the DEMs' first.
+// The part of the bounds that lies in the region, whatever turn of longitudes that has; a pack is asked for
+// by its region, also where whole tiles around it were baked.
+GeoBounds cut_to(const std::optional<GeoBounds>& region, const GeoBounds& bounds) {
+  if (!region) return bounds;
+  GeoBounds widest = bounds;
+  double width = 0;
+  for (const double turn : {-360.0, 0.0, 360.0}) {
+    const GeoBounds cut{std::max(bounds.west, region->west + turn), std::max(bounds.south, region->south),
+                        std::min(bounds.east, region->east + turn), std::min(bounds.north, region->north)};
+    if (cut.width() <= width || cut.height() <= 0) continue;
+    width = cut.width();
+    widest = cut;
+  }
+  return widest;
+}
+
+bool touches_region(const std::optional<GeoBounds>& region, const GeoBounds& bounds) {
+  if (!region) return true;
+  Footprint wanted;
+  wanted.add(*region);
+  return wanted.overlaps(bounds);
+}
+
+// Sources of which no post is in the pack are not named. `hashes` are those of all inputs, the DEMs' first.
 Json sources_of(const Mosaic& mosaic, const HeightSummary& heights,
                 const std::vector<std::uint64_t>& hashes) {
   Json sources = Json::array();
   for (std::size_t s = 0; s < mosaic.pool().size(); ++s) {
+    if (s >= heights.posts_used.size() || heights.posts_used[s] == 0) continue;
     Json source = source_of(mosaic.pool().info(s), hashes[s]);
-    source["posts_used"] = s < heights.posts_used.size() ? heights.posts_used[s] : 0;
+    source["posts_used"] = heights.posts_used[s];
     sources.push_back(std::move(source));
   }
   return sources;
@@ -91,18 +117,20 @@ Json imagery_levels_of(const std::vector<IndexEntry>& entries) {
 }
 
 // `options` are the imagery's of to_json().
-Json imagery_of(const BakePlan& layers, const Json& options, const std::vector<std::uint64_t>& hashes,
-                const std::vector<IndexEntry>& entries) {
+Json imagery_of(const BakePlan& layers, const Json& options, const std::optional<GeoBounds>& region,
+                const std::vector<std::uint64_t>& hashes, const std::vector<IndexEntry>& entries) {
   const std::size_t first = layers.heights ? layers.heights->pool().size() : 0;
   const RasterPool& pool = layers.imagery->pool();
   Json sources = Json::array();
-  for (std::size_t s = 0; s < pool.size(); ++s) sources.push_back(source_of(pool.info(s), hashes[first + s]));
+  for (std::size_t s = 0; s < pool.size(); ++s)
+    if (touches_region(region, pool.info(s).bounds))
+      sources.push_back(source_of(pool.info(s), hashes[first + s]));
   return {{"format", options["format"]},
           {"quality", options["quality"]},
           {"feather_pixels", options["feather_pixels"]},
           {"top", layers.imagery_tree->top()},
           {"finest", layers.imagery->finest_level()},
-          {"bounds", json_of(layers.imagery->bounds())},
+          {"bounds", json_of(cut_to(region, layers.imagery->bounds()))},
           {"levels", imagery_levels_of(entries)},
           {"sources", sources}};
 }
@@ -122,14 +150,15 @@ std::string describe_pack(const BakePlan& layers, const BuildOptions& options, c
     meta["grid"]["finest"] = layers.plan->finest();
   }
   meta["vertical_datum"] = to_string(options.mosaic.geoid ? VerticalDatum::ellipsoid : options.mosaic.datum);
-  meta["bounds"] = json_of(layers.bounds());
+  meta["bounds"] = json_of(cut_to(options.grid.region, layers.bounds()));
   if (layers.plan) {
     meta["error_bound_m"] = layers.plan->error_bound_m();
     meta["accuracy"] = json_of(heights.accuracy);
   }
   meta["levels"] = levels_of(entries);
   meta["sources"] = layers.heights ? sources_of(*layers.heights, heights, input_hashes) : Json::array();
-  if (layers.imagery) meta["imagery"] = imagery_of(layers, stated["imagery"], input_hashes, entries);
+  if (layers.imagery)
+    meta["imagery"] = imagery_of(layers, stated["imagery"], options.grid.region, input_hashes, entries);
   if (layers.plan && options.heights.rqt_tolerance_m)
     meta["rqt"] = {{"tolerance_m", *options.heights.rqt_tolerance_m}, {"triangulations", kRqtSteps}};
   meta["options"] = stated;

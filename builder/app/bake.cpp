@@ -8,6 +8,7 @@
 
 #include "builder/app/bake_progress.h"
 #include "builder/app/bake_report.h"
+#include "builder/app/interrupt.h"
 #include "builder/app/one_of.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
@@ -31,6 +32,7 @@ struct BakeArguments {
   std::string report;
   std::string geoid;
   std::size_t memory_mib = 1024;
+  InputSearch search;
   bool dry_run = false;
   bool json = false;
 };
@@ -69,6 +71,16 @@ Status use_memory(std::size_t mebibytes, BuildOptions& options) {
       fmt::format("--memory: expected {} MiB or more for {} threads, found {}", least, threads, mebibytes));
 }
 
+Status find_inputs(const std::vector<std::string>& arguments, const InputSearch& search,
+                   std::vector<std::filesystem::path>& out) {
+  auto found = expand_inputs(arguments, search);
+  if (!found) return found.error();
+  for (const auto& file : found->without_raster)
+    fmt::print(stderr, "cairn: warning: {}: passed over, since no raster is in it\n", file.string());
+  out = std::move(found->files);
+  return {};
+}
+
 Result<BuildOptions> options_from(const BakeArguments& arguments) {
   BuildOptions options = arguments.options;
   if (auto status = use_bounds("--region", arguments.region, options.grid.region); !status)
@@ -79,12 +91,10 @@ Result<BuildOptions> options_from(const BakeArguments& arguments) {
   if (!arguments.geoid.empty()) options.mosaic.geoid = arguments.geoid;
   if (arguments.inputs.empty() && arguments.images.empty())
     return usage_error("bake: expected DEMs, or images after --imagery, found neither");
-  auto inputs = expand_inputs(arguments.inputs);
-  if (!inputs) return inputs.error();
-  options.mosaic.inputs = std::move(*inputs);
-  auto images = expand_inputs(arguments.images);
-  if (!images) return images.error();
-  options.imagery.inputs = std::move(*images);
+  if (auto status = find_inputs(arguments.inputs, arguments.search, options.mosaic.inputs); !status)
+    return status.error();
+  if (auto status = find_inputs(arguments.images, arguments.search, options.imagery.inputs); !status)
+    return status.error();
   if (auto status = use_memory(arguments.memory_mib, options); !status) return status.error();
   return options;
 }
@@ -131,6 +141,14 @@ Error with_remedies(Error error, const BuildOptions& options) {
   return error;
 }
 
+Result<BuildReport> build_with_progress(const BuildOptions& options, const Interrupt& interrupt) {
+  BakeProgress progress;
+  return build(options, [&](const Progress& p) {
+    progress.show(p);
+    return !interrupt.is_asked();
+  });
+}
+
 Status bake(const BakeArguments& arguments) {
   const auto options = options_from(arguments);
   if (!options) return options.error();
@@ -141,12 +159,14 @@ Status bake(const BakeArguments& arguments) {
     print_dry_run(*dry, arguments.json);
     return {};
   }
-  BakeProgress progress;
-  const auto report = build(*options, [&](const Progress& p) {
-    progress.show(p);
-    return true;
-  });
-  if (!report) return with_remedies(report.error(), *options);
+  const Interrupt interrupt;
+  const auto report = build_with_progress(*options, interrupt);
+  if (!report) {
+    const Error error = with_remedies(report.error(), *options);
+    if (interrupt.is_asked()) report_error(error);
+    interrupt.end_program();
+    return error;
+  }
   if (!report->warning.empty()) fmt::print(stderr, "cairn: warning: {}\n", report->warning);
   return print_bake_report(*report, *options, arguments.report, arguments.json);
 }
@@ -198,7 +218,7 @@ void add_imagery_options(CLI::App& verb, BakeArguments& arguments) {
   const std::map<std::string, TextureQuality> qualities{
       {"fast", TextureQuality::fast}, {"normal", TextureQuality::normal}, {"best", TextureQuality::best}};
   verb.add_option("--imagery", arguments.images,
-                  "image files, folders or glob patterns; finer ones lie on top, then earlier ones");
+                  "image files, folders, glob patterns or @LIST; finer ones lie on top, then earlier ones");
   verb.add_option("--texture-format", o.format, "bc1 (bc3 where a tile is not opaque), bc3 or bc7")
       ->transform(one_of(formats))
       ->default_str("bc1");
@@ -235,7 +255,9 @@ void add_bake(CLI::App& app, int& exit_code) {
   BuildOptions& o = arguments->options;
   CLI::App* verb = app.add_subcommand("bake", "Make a pack from DEMs and images");
   verb->add_option("dem", arguments->inputs,
-                   "DEM files, folders or glob patterns; finer ones win, then earlier ones");
+                   "DEM files, folders, glob patterns or @LIST, a text file with one of these a line; finer "
+                   "ones win, then earlier ones");
+  verb->add_flag("--recursive", arguments->search.recursive, "search folders with all folders in them");
   verb->add_option("-o,--output", o.session.target, "the pack to make")->required();
   verb->add_option("--tile-size", o.grid.tile_size, "samples along a tile's side")
       ->check(CLI::IsMember({257, 513}))

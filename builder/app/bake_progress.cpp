@@ -15,8 +15,12 @@ std::string describe(const Progress& p, double seconds) {
   const double left = rate > 0 ? static_cast<double>(p.total - p.done) / rate : 0;
   const double percent =
       p.total > 0 ? 100.0 * static_cast<double>(p.done) / static_cast<double>(p.total) : 100.0;
-  return fmt::format("{}: {:5.1f} %  {:.1f} Msamples/s  {:.1f} MiB written  {:.0f} s left", p.stage, percent,
-                     rate / 1e6, static_cast<double>(p.bytes_written) / 1048576.0, left);
+  const std::string written =
+      p.bytes_written > 0
+          ? fmt::format("  {:.1f} MiB written", static_cast<double>(p.bytes_written) / 1048576.0)
+          : "";
+  return fmt::format("{}: {:5.1f} %  {:.1f} Msamples/s{}  {:.0f} s left", p.stage, percent, rate / 1e6,
+                     written, left);
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 
 namespace cairn {
 
-/// Tells a person on stderr how far a bake is: one line that is written over on a terminal, plain lines every
-/// ten seconds otherwise.
+/// Tells a person on stderr how far a bake or another long verb is: one line that is written over on a
+/// terminal, plain lines every ten seconds otherwise.
 class BakeProgress {
  public:
   BakeProgress();

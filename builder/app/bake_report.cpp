@@ -90,13 +90,12 @@ void print_dry_run(const DryRun& dry, bool json) {
   for (const auto& [level, tiles] : dry.tiles) fmt::print("level {:>3}: {:>8} tiles at most\n", level, tiles);
   for (const auto& [level, tiles] : dry.texture_tiles)
     fmt::print("level {:>3}: {:>8} textures at most\n", level, tiles);
-  if (dry.tiles.empty()) return;
-  fmt::print(
-      "{} samples, error bound {:.4g} m in steps of {:.4g} m; about {:.1f} MiB, {:.0f} s, under {:.0f} MiB "
-      "of "
-      "memory\n",
-      dry.samples, dry.error_bound_m, dry.quantum_m, static_cast<double>(dry.estimated_bytes) / kMiB,
-      dry.estimated_seconds, static_cast<double>(dry.memory_bytes) / kMiB);
+  if (!dry.tiles.empty())
+    fmt::print("{} samples, error bound {:.4g} m in steps of {:.4g} m\n", dry.samples, dry.error_bound_m,
+               dry.quantum_m);
+  fmt::print("about {:.1f} MiB, {:.3g} s, under {:.0f} MiB of memory\n",
+             static_cast<double>(dry.estimated_bytes) / kMiB, dry.estimated_seconds,
+             static_cast<double>(dry.memory_bytes) / kMiB);
 }
 
 Status print_bake_report(const BuildReport& report, const BuildOptions& options, const std::string& file,

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,13 +11,15 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "builder/app/bake_progress.h"
 #include "builder/app/export_target.h"
+#include "builder/app/grid_sampler.h"
 #include "builder/app/pack_metadata.h"
+#include "builder/app/region_argument.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
 #include "builder/export/hillshade_shading.h"
-#include "builder/export/png_writer.h"
-#include "cairn/pack_sampler.h"
+#include "builder/export/picture_writer.h"
 
 namespace cairn {
 namespace {
@@ -32,6 +34,10 @@ struct HillshadeOptions {
   std::string output;
   std::string size;
   std::vector<double> region;
+  double azimuth_deg = 315;
+  double altitude_deg = 45;
+  std::optional<double> z;
+  bool grey = false;
   bool json = false;
 };
 
@@ -84,13 +90,7 @@ Result<GeoBounds> baked_bounds(const PackReader& pack) {
 }
 
 Result<GeoBounds> wanted_region(const HillshadeOptions& options, const PackReader& pack) {
-  if (options.region.empty()) return baked_bounds(pack);
-  GeoBounds region{options.region[0], options.region[1], options.region[2], options.region[3]};
-  if (region.east <= region.west) region.east += 360;  // across the antimeridian
-  const bool sane = std::abs(region.west) <= 360 && region.width() > 0 && region.width() <= 360 &&
-                    region.south >= -90 && region.south < region.north && region.north <= 90;
-  if (sane) return region;
-  return usage_error("--region: expected WEST,SOUTH,EAST,NORTH in degrees, found another order or range");
+  return options.region.empty() ? baked_bounds(pack) : region_of(options.region);
 }
 
 Result<Plan> make_plan(const HillshadeOptions& options, const PackReader& pack) {
@@ -117,7 +117,7 @@ Result<Plan> make_plan(const HillshadeOptions& options, const PackReader& pack) 
 
 /// Where the tints end: the highest and deepest places of the tiles in view, so that hills are as
 /// colourful as mountains, but not so far that a plain looks like one.
-ReliefStyle style_for(const PackReader& pack, const Plan& plan) {
+ReliefStyle style_for(const PackReader& pack, const Plan& plan, const HillshadeOptions& options) {
   double highest = 400, deepest = -100;
   for (std::size_t i = 0; i < pack.entry_count(); ++i) {
     const IndexEntry entry = pack.entry(i);
@@ -137,34 +137,22 @@ ReliefStyle style_for(const PackReader& pack, const Plan& plan) {
   style.highest_m = highest;
   style.deepest_m = deepest;
   style.row_spacing_m = plan.degrees_a_row * kMetresADegree;
-  style.exaggeration = relief_exaggeration(2 * style.row_spacing_m);
+  style.exaggeration = options.z.value_or(relief_exaggeration(2 * style.row_spacing_m));
+  style.azimuth_deg = options.azimuth_deg;
+  style.altitude_deg = options.altitude_deg;
+  style.tinted = !options.grey;
   return style;
 }
 
-/// Heights of the fine grid's rows from `first` on, one row and column more on each side where the world goes
-/// on, so that slopes do not end at the picture's border.
-Status fill_band(PackSampler& sampler, const Plan& plan, int first, HeightField& field) {
-  std::size_t at = 0;
-  for (int r = 0; r < field.rows; ++r) {
-    const double lat = std::clamp(plan.region.north - (first + r + 0.5) * plan.degrees_a_row, -90.0, 90.0);
-    for (int c = 0; c < field.columns; ++c) {
-      const double lon = plan.region.west + (c - 0.5) * plan.degrees_a_column;
-      const auto height = sampler.height_at({lon, lat}, plan.level);
-      if (!height) return height.error();
-      field.metres[at++] =
-          *height ? static_cast<float>((*height)->metres) : std::numeric_limits<float>::quiet_NaN();
-    }
-  }
-  return {};
-}
-
-/// Shades picture rows `first` to `first + rows` and writes them.
-Status draw_band(PackSampler& sampler, const Plan& plan, ReliefStyle style, int first, int rows,
-                 PngWriter& picture) {
+/// Shades picture rows `first` to `first + rows` and writes them. The sampler's grid is the fine one, with a
+/// row and a column more on each side where the world goes on, so that slopes do not end at the picture's
+/// border.
+Status draw_band(GridSampler& sampler, const Plan& plan, ReliefStyle style, int first, int rows,
+                 PictureWriter& picture) {
   const int columns = 2 * plan.size.columns + 2;
   HeightField field{columns, 2 * rows + 2, {}};
   field.metres.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(field.rows));
-  if (const Status status = fill_band(sampler, plan, 2 * first - 1, field); !status) return status;
+  if (const Status status = sampler.fill(2 * first, field.metres); !status) return status;
   std::vector<std::uint8_t> fine[2];
   for (auto& row : fine) row.resize(4 * static_cast<std::size_t>(columns));
   std::vector<std::uint8_t> out(4 * static_cast<std::size_t>(plan.size.columns));
@@ -175,33 +163,47 @@ Status draw_band(PackSampler& sampler, const Plan& plan, ReliefStyle style, int 
     for (int half = 0; half < 2; ++half) shade_row(field, 2 * r + half + 1, style, fine[half]);
     const auto inner = [&](int half) { return std::span(fine[half]).subspan(4, 2 * out.size()); };
     halve_rows(inner(0), inner(1), out);
-    if (const Status status = picture.write_row(std::as_bytes(std::span(out))); !status) return status;
+    if (const Status status = picture.write_row(out); !status) return status;
   }
   return {};
 }
 
-Status draw(const PackReader& pack, const Plan& plan, const std::string& output) {
-  auto picture = PngWriter::create(output, plan.size.columns, plan.size.rows, PngWriter::Pixel::rgba8);
+Status draw(const PackReader& pack, const Plan& plan, const HillshadeOptions& options) {
+  const GeoBounds& region = plan.region;
+  const GeoGrid area{plan.size.columns,         plan.size.rows,        region.west, region.north,
+                     2 * plan.degrees_a_column, 2 * plan.degrees_a_row};
+  auto picture = create_picture(options.output, area);
   if (!picture) return picture.error();
-  const ReliefStyle style = style_for(pack, plan);
-  // A band may need each tile of a row again for every row of pixels, and its ancestors' row besides.
-  const auto across = static_cast<std::size_t>(std::ldexp(plan.region.width(), plan.level)) + 2;
-  PackSampler sampler(pack, std::min<std::size_t>(2 * across, 256));
+  const ReliefStyle style = style_for(pack, plan, options);
+  const GeoGrid fine{2 * plan.size.columns + 2,
+                     2 * plan.size.rows + 2,
+                     region.west - 0.5 * plan.degrees_a_column,
+                     region.north + 0.5 * plan.degrees_a_row,
+                     plan.degrees_a_column,
+                     plan.degrees_a_row};
+  GridSampler sampler(pack, fine, plan.level);
+  BakeProgress progress;
+  const auto pixels = [&](int rows) {
+    return static_cast<std::uint64_t>(rows) * static_cast<std::uint64_t>(plan.size.columns);
+  };
   for (int row = 0; row < plan.size.rows; row += kBandRows) {
     const int rows = std::min(kBandRows, plan.size.rows - row);
-    if (const Status status = draw_band(sampler, plan, style, row, rows, *picture); !status) return status;
+    if (const Status status = draw_band(sampler, plan, style, row, rows, **picture); !status) return status;
+    progress.show({"hillshade", pixels(row + rows), pixels(plan.size.rows), 0});
   }
-  return picture->finish();
+  return (*picture)->finish();
 }
 
 int run_hillshade(const HillshadeOptions& options) {
+  if (!is_picture_name(options.output))
+    return report_error(usage_error(options.output + ": expected a name that ends in .tif, .png or .jpg"));
   const Result<PackReader> pack = PackReader::open(options.pack);
   if (!pack) return report_error(pack.error());
   const Result<Plan> plan = make_plan(options, *pack);
   if (!plan) return report_error(plan.error());
   if (const Status status = check_export_target(options.output, *pack); !status)
     return report_error(status.error());
-  if (const Status status = draw(*pack, *plan, options.output); !status) return report_error(status.error());
+  if (const Status status = draw(*pack, *plan, options); !status) return report_error(status.error());
   const GeoBounds& r = plan->region;
   if (options.json) {
     const nlohmann::ordered_json report = {
@@ -222,15 +224,29 @@ int run_hillshade(const HillshadeOptions& options) {
 
 void add_hillshade(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<HillshadeOptions>();
-  CLI::App* verb = app.add_subcommand("hillshade", "Draw a shaded relief as a PNG");
+  CLI::App* verb = app.add_subcommand("hillshade", "Draw a shaded relief as a georeferenced picture");
   verb->add_option("PACK", options->pack, "The pack")->required();
-  verb->add_option("-o,--output", options->output, "The picture; replaced where it exists")->required();
+  verb->add_option(
+          "-o,--output", options->output,
+          "FILE.tif (GeoTIFF), FILE.png or FILE.jpg (each with a world file); replaced where it exists")
+      ->required();
   verb->add_option("--size", options->size,
                    "WIDTHxHEIGHT in pixels; by default 1024 along the longer side, true to the ground");
   verb->add_option("--region", options->region,
                    "WEST,SOUTH,EAST,NORTH in degrees; by default all that was baked")
       ->delimiter(',')
       ->expected(4);
+  verb->add_option("--azimuth", options->azimuth_deg,
+                   "where the light comes from, degrees clockwise from north")
+      ->check(CLI::Range(-360.0, 360.0))
+      ->capture_default_str();
+  verb->add_option("--altitude", options->altitude_deg, "of the light above the horizon, degrees")
+      ->check(CLI::Range(1.0, 90.0))
+      ->capture_default_str();
+  verb->add_option("--z", options->z,
+                   "factor on heights, for the light only; by default more than 1 where pixels are large")
+      ->check(CLI::Range(1e-3, 1e3));
+  verb->add_flag("--grey", options->grey, "light and shade only, without tints by height");
   verb->add_flag("--json", options->json, "Print JSON");
   verb->callback([options, &exit_code] { exit_code = run_hillshade(*options); });
 }

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -13,6 +15,18 @@
 namespace {
 
 constexpr int kUsage = 2;
+
+/// The arguments with -.5 written as -0.5, since the parser takes a minus and a point for an option.
+std::vector<std::string> with_leading_zeros(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  const auto starts_fraction = [](const std::string& text, std::size_t at) {
+    return text.compare(at, 2, "-.") == 0 && at + 2 < text.size() &&
+           std::isdigit(static_cast<unsigned char>(text[at + 2])) != 0;
+  };
+  for (std::string& argument : arguments)
+    if (starts_fraction(argument, 0)) argument.insert(1, "0");
+  return arguments;
+}
 
 int run(int argc, char** argv) {
   CLI::App app("cairn: terrain packs from elevation rasters", "cairn");
@@ -27,6 +41,7 @@ int run(int argc, char** argv) {
   cairn::add_sample(app, exit_code);
   cairn::add_extract(app, exit_code);
   cairn::add_hillshade(app, exit_code);
+  cairn::add_inspect(app, exit_code);
 
   for (const cairn::ExternalVerb& verb : cairn::kExternalVerbs) app.add_subcommand(verb.name, verb.summary);
   app.footer("A verb that is not listed is looked for as cairn-VERB beside this program.");
@@ -51,7 +66,9 @@ int run(int argc, char** argv) {
     return kUsage;
   }
   try {
-    app.parse(argc, argv);
+    auto arguments = with_leading_zeros(argc, argv);
+    std::reverse(arguments.begin(), arguments.end());  // as the parser takes them
+    app.parse(arguments);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsage;
   }

@@ -24,12 +24,14 @@ using Heights = std::vector<std::optional<PackSampler::Height>>;
 
 constexpr std::size_t kBatchPoints = std::size_t{1} << 18;
 constexpr std::size_t kCachedTiles = 32;
+constexpr auto kReplaceBytes = Json::error_handler_t::replace;  // text of a file in any encoding
 
 struct SampleOptions {
   std::string pack;
   std::optional<double> lon;
   std::optional<double> lat;
   std::string points;
+  std::vector<std::string> columns;
   std::optional<int> level;
   bool json = false;
 };
@@ -46,67 +48,93 @@ Result<Heights> sample_batch(const PackReader& pack, PackSampler& sampler,
   const auto range = pack.levels(Layer::heights);
   std::vector<std::pair<TileId, std::size_t>> order;
   order.reserve(points.size());
-  for (const CsvPoint& point : points)
-    order.emplace_back(tile_at(point.place, range ? range->finest : 0), order.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points[i].place) order.emplace_back(tile_at(*points[i].place, range ? range->finest : 0), i);
   std::sort(order.begin(), order.end());
   Heights heights(points.size());
   for (const auto& [tile, i] : order) {
-    const auto height = height_at(sampler, points[i].place, level);
+    const auto height = height_at(sampler, *points[i].place, level);
     if (!height) return height.error();
     heights[i] = *height;
   }
   return heights;
 }
 
-Json point_json(const CsvPoint& point, const std::optional<PackSampler::Height>& height) {
-  return {{"lon", point.place.lon},
-          {"lat", point.place.lat},
+Json point_json(const std::optional<LonLat>& place, const std::optional<PackSampler::Height>& height) {
+  return {{"lon", place ? Json(place->lon) : Json()},
+          {"lat", place ? Json(place->lat) : Json()},
           {"height", height ? Json(height->metres) : Json()},
           {"level", height ? Json(height->level) : Json()}};
 }
 
-void print_csv(const std::vector<CsvPoint>& points, const Heights& heights) {
+Json point_json(const CsvPoint& point, const std::optional<PackSampler::Height>& height,
+                const std::vector<std::string>& other_names) {
+  Json json = point_json(point.place, height);
+  for (std::size_t i = 0; i < other_names.size(); ++i) json["columns"][other_names[i]] = point.others[i];
+  return json;
+}
+
+/// Prints the fields as a line of a table. Blanks cannot show an empty field, so commas stand for them.
+void print_fields(const std::vector<std::string>& fields, char separator) {
+  const char between = separator == ' ' ? ',' : separator;
+  std::string line;
+  for (const std::string& field : fields) line += csv_field(field, between) + between;
+  line.back() = '\n';
+  fmt::print("{}", line);
+}
+
+void print_header(const PointsCsv& csv) {
+  std::vector<std::string> names{"lon", "lat", "height", "level"};
+  names.insert(names.end(), csv.other_names().begin(), csv.other_names().end());
+  print_fields(names, csv.separator());
+}
+
+void print_rows(const PointsCsv& csv, const std::vector<CsvPoint>& points, const Heights& heights) {
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (heights[i]) {
-      fmt::print("{},{},{:.4f},{}\n", points[i].lon_text, points[i].lat_text, heights[i]->metres,
-                 heights[i]->level);
-    } else {
-      fmt::print("{},{},,\n", points[i].lon_text, points[i].lat_text);
-    }
+    std::string metres = heights[i] ? fmt::format("{:.4f}", heights[i]->metres) : "";
+    if (csv.has_decimal_commas()) std::replace(metres.begin(), metres.end(), '.', ',');
+    std::vector<std::string> fields{points[i].lon_text, points[i].lat_text, metres,
+                                    heights[i] ? std::to_string(heights[i]->level) : ""};
+    fields.insert(fields.end(), points[i].others.begin(), points[i].others.end());
+    print_fields(fields, csv.separator());
   }
 }
 
 int sample_points(const PackReader& pack, std::istream& in, const SampleOptions& options) {
   PackSampler sampler(pack, kCachedTiles);
-  PointsCsv csv(in, options.points);
-  if (!options.json) fmt::print("lon,lat,height,level\n");
+  PointsCsv csv(in, options.points, options.columns);
   const char* separator = "[\n";
-  for (;;) {
+  for (bool first = true;; first = false) {
     const Result<std::vector<CsvPoint>> points = csv.next(kBatchPoints);
     if (!points) return report_error(points.error());
+    if (first && !options.json) print_header(csv);
     if (points->empty()) break;
     const Result<Heights> heights = sample_batch(pack, sampler, *points, options.level);
     if (!heights) return report_error(heights.error());
     if (!options.json) {
-      print_csv(*points, *heights);
+      print_rows(csv, *points, *heights);
       continue;
     }
     for (std::size_t i = 0; i < points->size(); ++i) {
-      fmt::print("{}{}", separator, point_json((*points)[i], (*heights)[i]).dump());
+      fmt::print(
+          "{}{}", separator,
+          point_json((*points)[i], (*heights)[i], csv.other_names()).dump(-1, ' ', false, kReplaceBytes));
       separator = ",\n";
     }
   }
   if (options.json) fmt::print("{}]\n", *separator == '[' ? "[" : "\n");
-  return 0;
+  const std::vector<std::string> complaints = csv.complaints();
+  for (const std::string& complaint : complaints) report_error(bad_data(complaint));
+  return complaints.empty() ? 0 : static_cast<int>(ErrorCode::bad_data);
 }
 
 int sample_place(const PackReader& pack, const SampleOptions& options) {
   PackSampler sampler(pack, 1);
-  const CsvPoint point{{*options.lon, *options.lat}, {}, {}};
-  const auto height = height_at(sampler, point.place, options.level);
+  const LonLat place{*options.lon, *options.lat};
+  const auto height = height_at(sampler, place, options.level);
   if (!height) return report_error(height.error());
   if (options.json) {
-    fmt::print("{}\n", point_json(point, *height).dump());
+    fmt::print("{}\n", point_json(place, *height).dump());
   } else {
     fmt::print("{}\n", *height ? fmt::format("{:.4f}", (*height)->metres) : "");
   }
@@ -137,8 +165,12 @@ void add_sample(CLI::App& app, int& exit_code) {
   lon->needs(lat);
   verb->add_option(
       "--points", options->points,
-      "Places from a CSV file with columns lon,lat (- reads stdin); prints lon,lat,height,level in "
-      "the same order, the height empty where there is none");
+      "Places from a table with columns lon,lat or x,y, separated by commas, semicolons, tabs or blanks (- "
+      "reads stdin); prints lon,lat,height,level and the other columns in the order of the lines, the height "
+      "empty where there is none");
+  verb->add_option("--columns", options->columns, "LON,LAT: names of the columns that hold the places")
+      ->delimiter(',')
+      ->expected(2);
   verb->add_option("--level", options->level, "Ask this level only, not the finest there is")
       ->check(CLI::Range(kMinLevel, kMaxLevel));
   verb->add_flag("--json", options->json, "Print JSON");

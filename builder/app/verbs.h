@@ -14,5 +14,6 @@ void add_verify(CLI::App& app, int& exit_code);
 void add_sample(CLI::App& app, int& exit_code);
 void add_extract(CLI::App& app, int& exit_code);
 void add_hillshade(CLI::App& app, int& exit_code);
+void add_inspect(CLI::App& app, int& exit_code);
 
 }  // namespace cairn

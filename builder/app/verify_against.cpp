@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <tbb/task_arena.h>
 
+#include "builder/app/bake_progress.h"
 #include "builder/app/pack_metadata.h"
 #include "builder/heights/measure_pack.h"
 #include "builder/options_json.h"
@@ -35,14 +36,20 @@ Result<std::vector<Finding>> verify_against(const PackReader& pack, const std::v
                        " geoid, as the pack was baked, found " + (geoid.empty() ? "none" : "one"));
   }
   if (!geoid.empty()) options->mosaic.geoid = geoid;
-  auto paths = expand_inputs(inputs);
-  if (!paths) return paths.error();
-  options->mosaic.inputs = std::move(*paths);
+  auto found = expand_inputs(inputs);
+  if (!found) return found.error();
+  options->mosaic.inputs = std::move(found->files);
   options->session.threads = threads;
 
   tbb::task_arena arena(threads);
-  const auto measured = arena.execute(
-      [&] { return measure_pack(pack, options->mosaic, options->heights, options->grid, options->session); });
+  BakeProgress line;
+  const ProgressCallback show = [&](const Progress& progress) {
+    line.show(progress);
+    return true;
+  };
+  const auto measured = arena.execute([&] {
+    return measure_pack(pack, options->mosaic, options->heights, options->grid, options->session, show);
+  });
   if (!measured) return measured.error();
 
   std::vector<Finding> findings;

@@ -1,9 +1,10 @@
 #include "builder/bake/memory_budget.h"
 
 #include <algorithm>
+#include <fstream>
+#include <string>
 
 #include <malloc.h>
-#include <sys/resource.h>
 
 namespace cairn {
 namespace {
@@ -50,9 +51,14 @@ void release_freed_memory() {
 }
 
 std::size_t peak_resident_bytes() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+  // Not getrusage(): its figure outlives exec(), and is that of a larger program that started this one.
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  std::size_t kibibytes = 0;
+  while (status >> word && word != "VmHWM:") {
+  }
+  status >> kibibytes;
+  return kibibytes * 1024;
 }
 
 }  // namespace cairn

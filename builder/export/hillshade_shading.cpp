@@ -67,11 +67,25 @@ Gradient gradient_at(const HeightField& field, int column, int row, const Relief
   return {(east - west) * factor / style.column_spacing_m, (north - south) * factor / style.row_spacing_m};
 }
 
-/// The cosine between the surface's normal and the sun, as a multiple of what level ground gets; 0 in shade.
-double light_on(const Gradient& g) {
-  constexpr double kEast = -0.5, kNorth = 0.5, kUp = std::numbers::sqrt2 / 2;  // from the north-west, 45° up
-  const double towards_sun = -g.east * kEast - g.north * kNorth + kUp;
-  return std::max(0.0, towards_sun / std::sqrt(1 + g.east * g.east + g.north * g.north)) / kUp;
+/// Unit vector towards the light.
+struct Light {
+  double east, north, up;
+};
+
+Light light_of(const ReliefStyle& style) {
+  const double azimuth = style.azimuth_deg * std::numbers::pi / 180;
+  const double altitude = style.altitude_deg * std::numbers::pi / 180;
+  return {std::sin(azimuth) * std::cos(altitude), std::cos(azimuth) * std::cos(altitude), std::sin(altitude)};
+}
+
+/// The cosine between the surface's normal and the light; 0 in shade.
+double cosine_on(const Gradient& g, const Light& light) {
+  const double towards = -g.east * light.east - g.north * light.north + light.up;
+  return std::max(0.0, towards / std::sqrt(1 + g.east * g.east + g.north * g.north));
+}
+
+std::uint8_t byte_of(double value) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
 }
 
 /// Shade takes colour away, less of blue as the sky still lights it; light adds white.
@@ -89,6 +103,7 @@ double relief_exaggeration(double pixel_m) {
 void shade_row(const HeightField& field, int row, const ReliefStyle& style, std::span<std::uint8_t> rgba) {
   assert(row >= 0 && row < field.rows && rgba.size() == 4 * static_cast<std::size_t>(field.columns));
   constexpr std::array<double, 3> kShadeFloor{0.18, 0.21, 0.30};
+  const Light light = light_of(style);
   for (int column = 0; column < field.columns; ++column) {
     std::uint8_t* pixel = rgba.data() + 4 * static_cast<std::size_t>(column);
     const double metres = static_cast<double>(
@@ -98,13 +113,16 @@ void shade_row(const HeightField& field, int row, const ReliefStyle& style, std:
       std::fill(pixel, pixel + 4, std::uint8_t{0});
       continue;
     }
-    const Colour tint = tint_of(metres, style);
-    const double light = light_on(gradient_at(field, column, row, style));
-    for (std::size_t i = 0; i < 3; ++i) {
-      pixel[i] =
-          static_cast<std::uint8_t>(std::lround(std::clamp(lit(tint[i], light, kShadeFloor[i]), 0.0, 255.0)));
-    }
     pixel[3] = 255;
+    const double cosine = cosine_on(gradient_at(field, column, row, style), light);
+    if (!style.tinted) {
+      std::fill(pixel, pixel + 3, byte_of(1 + 254 * cosine));  // as gdaldem has it, whose 0 is nodata
+      continue;
+    }
+    // A multiple of what level ground gets.
+    const double share = cosine / light.up;
+    const Colour tint = tint_of(metres, style);
+    for (std::size_t i = 0; i < 3; ++i) pixel[i] = byte_of(lit(tint[i], share, kShadeFloor[i]));
   }
 }
 

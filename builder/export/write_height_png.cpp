@@ -6,16 +6,16 @@
 
 namespace cairn {
 
-Status write_height_png(const std::filesystem::path& path, const HeightImage& image) {
-  auto picture = PngWriter::create(path, image.size, image.size, PngWriter::Pixel::grey16);
+Status write_height_png(const std::filesystem::path& path, const HeightGrid& grid, const HeightRows& rows) {
+  auto picture = PngWriter::create(path, grid.posts.columns, grid.posts.rows, PngWriter::Pixel::grey16);
   if (!picture) return picture.error();
-  const auto size = static_cast<std::size_t>(image.size);
-  std::vector<std::uint16_t> row(size);
-  for (std::size_t r = 0; r < size; ++r) {
-    for (std::size_t c = 0; c < size; ++c) {
-      row[c] = static_cast<std::uint16_t>(whole_metres(image.metres[r * size + c]) + 32768);
-    }
-    if (const Status status = picture->write_row(std::as_bytes(std::span(row))); !status) return status;
+  std::vector<double> metres(static_cast<std::size_t>(grid.posts.columns));
+  std::vector<std::uint16_t> row(metres.size());
+  for (int r = 0; r < grid.posts.rows; ++r) {
+    if (auto filled = rows(r, metres); !filled) return filled;
+    for (std::size_t c = 0; c < row.size(); ++c)
+      row[c] = static_cast<std::uint16_t>(whole_metres(metres[c]) + 32768);
+    if (auto written = picture->write_row(std::as_bytes(std::span(row))); !written) return written;
   }
   return picture->finish();
 }

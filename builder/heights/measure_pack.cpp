@@ -76,7 +76,7 @@ Result<ErrorStats> measure_leaf(const Mosaic& mosaic, const HeightPlan& plan, co
 
 Result<ErrorStats> measure_pack(const PackReader& pack, const MosaicOptions& asked,
                                 const HeightOptions& heights, const GridOptions& grid,
-                                const SessionOptions& session) {
+                                const SessionOptions& session, const ProgressCallback& progress) {
   const MemoryBudget memory = divide_memory(session.memory_bytes, session.threads, grid.tile_size, false);
   const auto mosaic = Mosaic::open(asked, grid.tile_size, memory.cache_bytes);
   if (!mosaic) return mosaic.error();
@@ -88,12 +88,15 @@ Result<ErrorStats> measure_pack(const PackReader& pack, const MosaicOptions& ask
     for (const TileId& leaf : plan->tree().leaves(unit)) leaves.push_back(leaf);
   }
   ErrorStats all;
+  const auto samples =
+      static_cast<std::uint64_t>(grid.tile_size) * static_cast<std::uint64_t>(grid.tile_size);
   const auto status = run_in_order<ErrorStats>(
       0, leaves.size(), kInFlight,
       [&](std::size_t i) { return measure_leaf(**mosaic, *plan, pack, leaves[i]); },
-      [&](std::size_t, ErrorStats&& stats) -> Status {
+      [&](std::size_t i, ErrorStats&& stats) -> Status {
         all.add(stats);
-        return {};
+        if (progress({"verify", (i + 1) * samples, leaves.size() * samples, 0})) return {};
+        return failed(pack.path().string() + ": the measurement was cancelled");
       });
   if (!status) return status.error();
   return all;

@@ -97,7 +97,7 @@ set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS "libgl1-mesa-dri, python3-matplotli
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libcairn-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libglm-dev, libgeographiclib-dev, libzstd-dev, libxxhash-dev, pkg-config")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libtiff-dev, libpng-dev, libjpeg-dev, zlib1g-dev, libfmt-dev, libtbb-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libtiff-dev, libpng-dev, libjpeg-dev, zlib1g-dev, libzip-dev, libfmt-dev, libtbb-dev")
 if(BUILD_SHARED_LIBS)
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", cairn (= ${PROJECT_VERSION})")
 endif()

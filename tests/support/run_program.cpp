@@ -83,6 +83,30 @@ bool run_cairn_and_kill(const std::vector<std::string>& arguments, std::chrono::
   return WIFSIGNALED(status);
 }
 
+std::optional<Ran> run_cairn_and_interrupt(const std::vector<std::string>& arguments,
+                                           const std::filesystem::path& once_written) {
+  constexpr std::uintmax_t kHeader = 16;
+  const TempDir dir;
+  std::ofstream(dir.path() / "in");
+  const pid_t child = start(arguments, dir.path());
+  int status = 0;
+  bool ended = false;
+  for (;;) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(once_written, error);
+    if (!error && size > kHeader) break;
+    ended = ::waitpid(child, &status, WNOHANG) == child;
+    if (ended) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  if (!ended) {
+    ::kill(child, SIGINT);
+    REQUIRE(::waitpid(child, &status, 0) == child);
+  }
+  if (WIFEXITED(status)) return std::nullopt;
+  return Ran{-1, text_of(dir.path() / "out"), text_of(dir.path() / "err")};
+}
+
 bool is_one_line(const std::string& text) {
   return std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
 }

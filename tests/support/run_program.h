@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,11 @@ Ran run_cairn_on_full_disk(const std::vector<std::string>& arguments, std::size_
 
 /// Starts it, and kills it (as kill -9 does) after a while; whether it was still running.
 bool run_cairn_and_kill(const std::vector<std::string>& arguments, std::chrono::milliseconds after);
+
+/// Starts it, and interrupts it (as Ctrl-C does) once a file has grown past a header; nullopt where it ended
+/// by itself.
+std::optional<Ran> run_cairn_and_interrupt(const std::vector<std::string>& arguments,
+                                           const std::filesystem::path& once_written);
 
 /// A file's bytes; empty where it cannot be read.
 std::string text_of(const std::filesystem::path& path);

@@ -75,7 +75,8 @@ void bake_and_check(const std::vector<std::string>& names, std::int64_t step = 5
 
   const PackReader pack = open_pack(options.session.target);
   const double error_bound_m = error_bound_of(pack);
-  const auto measured = measure_pack(pack, options.mosaic, options.heights, options.grid, options.session);
+  const auto measured = measure_pack(pack, options.mosaic, options.heights, options.grid, options.session,
+                                     [](const Progress&) { return true; });
   REQUIRE(measured.ok());
   CHECK(measured->max() <= error_bound_m);
   CHECK(measured->count() > 0);

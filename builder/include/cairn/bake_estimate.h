@@ -25,8 +25,8 @@ struct DryRun {
   std::uint64_t memory_bytes = 0;              ///< what the bake will hold at most
 };
 
-/// Steps 1 and 2 of build(), and up to eight leaves baked on trial, spread evenly over the plan. Tiles that
-/// are pruned are not foreseen, so bytes and seconds are more likely too high than too low.
+/// Steps 1 and 2 of build(), and some units of each layer baked on trial, spread evenly over the plan: bytes
+/// and seconds of all layers are a multiple of theirs.
 Result<DryRun> dry_run(const BuildOptions& options);
 
 }  // namespace cairn

@@ -12,6 +12,7 @@
 #include "builder/raster/io/input_file.h"
 #include "builder/raster/io/printable.h"
 #include "builder/raster/pam_sidecar.h"
+#include "builder/raster/raster_names.h"
 #include "builder/raster/raster_placement.h"
 #include "builder/raster/raster_source.h"
 
@@ -21,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kNodata = -32767;
+constexpr std::array kExtensions = {".dt0", ".dt1", ".dt2"};
 constexpr std::size_t kLabelBytes = 80;
 constexpr std::size_t kHeaderBytes = 80 + 648 + 2700;  // UHL, DSI, ACC
 constexpr std::size_t kRecordHeader = 8;
@@ -233,5 +235,8 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
 
 extern const RasterFormat dted_format;
 const RasterFormat dted_format = {"dted", 20, claims, open, true};
+
+extern const RasterNames dted_names;
+const RasterNames dted_names = {kExtensions};
 
 }  // namespace cairn

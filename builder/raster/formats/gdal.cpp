@@ -1,9 +1,11 @@
 // What no other reader claims or can open goes to GDAL, which lives in a module of its own (cairn-gdal.so)
 // and is loaded by the first such file.
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
 
+#include "builder/raster/raster_names.h"
 #include "builder/raster/raster_source.h"
 #include "builder/raster/reader_plugin.h"
 
@@ -11,6 +13,9 @@ namespace cairn {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::array kExtensions = {".vrt", ".asc", ".img", ".bil", ".flt",
+                                    ".nc",  ".grd", ".dem", ".bt",  ".jp2"};
 
 using OpenThroughGdal = void (*)(const fs::path& path, Result<std::unique_ptr<RasterSource>>& out);
 
@@ -34,5 +39,8 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
 
 extern const RasterFormat gdal_format;
 const RasterFormat gdal_format = {"gdal", 1000, claims, open};
+
+extern const RasterNames gdal_names;
+const RasterNames gdal_names = {kExtensions};
 
 }  // namespace cairn

@@ -1,6 +1,7 @@
 // GeoTIFF, BigTIFF and plain TIFF with a world file: strips or tiles, any compression that libtiff has, posts
 // in their own type.
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "builder/raster/height_tags.h"
 #include "builder/raster/pam_sidecar.h"
+#include "builder/raster/raster_names.h"
 #include "builder/raster/raster_placement.h"
 #include "builder/raster/raster_source.h"
 #include "builder/raster/tiff/geotiff_tags.h"
@@ -22,6 +24,8 @@ namespace cairn {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::array kExtensions = {".tif", ".tiff", ".gtiff", ".tf8", ".btf"};
 
 constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
 constexpr int kMostDirectories = 64;
@@ -204,5 +208,8 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
 
 extern const RasterFormat geotiff_format;
 const RasterFormat geotiff_format = {"geotiff", 30, claims, open};
+
+extern const RasterNames geotiff_names;
+const RasterNames geotiff_names = {kExtensions};
 
 }  // namespace cairn

@@ -1,6 +1,7 @@
 // SRTM's .hgt: the posts of one 1° cell, big-endian int16, north to south, and nothing else; the name says
-// which cell. Plain, gzipped (.hgt.gz), or alone in a zip archive.
+// which cell. Plain, gzipped (.hgt.gz), or alone in a zip archive; packed ones need no temporary file.
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <mutex>
 #include <optional>
@@ -11,12 +12,13 @@
 #include <fmt/format.h>
 
 #include "builder/raster/height_tags.h"
-#include "builder/raster/io/inflate.h"
+#include "builder/raster/io/gzip_file.h"
 #include "builder/raster/io/input_file.h"
 #include "builder/raster/io/printable.h"
 #include "builder/raster/io/scratch_bytes.h"
 #include "builder/raster/io/zip_archive.h"
 #include "builder/raster/pam_sidecar.h"
+#include "builder/raster/raster_names.h"
 #include "builder/raster/raster_placement.h"
 #include "builder/raster/raster_source.h"
 
@@ -26,6 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kNodata = -32768;
+constexpr std::array kExtensions = {".hgt"};
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -71,16 +74,18 @@ struct Contents {
   std::uint64_t bytes = 0;
 };
 
-Result<Contents> look_into_zip(const InputFile& file) {
-  const auto entries = list_zip(file);
+bool is_hgt(const ZipEntry& entry) {
+  return lower(entry.name).ends_with(".hgt");
+}
+
+Result<Contents> look_into_zip(const fs::path& path) {
+  const auto entries = list_zip(path);
   if (!entries) return entries.error();
-  std::optional<ZipEntry> found;
-  for (const ZipEntry& entry : *entries) {
-    if (!lower(entry.name).ends_with(".hgt")) continue;
-    if (found) return bad_data(file.path().string() + ": expected one .hgt in the archive, found several");
-    found = entry;
-  }
-  if (!found) return bad_data(file.path().string() + ": expected a .hgt in the archive, found none");
+  const auto found = std::find_if(entries->begin(), entries->end(), is_hgt);
+  if (found == entries->end())
+    return bad_data(path.string() + ": expected a .hgt in the archive, found none");
+  if (std::find_if(found + 1, entries->end(), is_hgt) != entries->end())
+    return bad_data(path.string() + ": expected one .hgt in the archive, found several");
   return Contents{*found, found->bytes};
 }
 
@@ -98,16 +103,21 @@ Result<Contents> look_into_gzip(const InputFile& file) {
 
 Result<Contents> look_into(const InputFile& file) {
   const std::string name = lower(file.path().filename().string());
-  if (name.ends_with(".zip")) return look_into_zip(file);
+  if (name.ends_with(".zip")) return look_into_zip(file.path());
   if (name.ends_with(".gz")) return look_into_gzip(file);
   return Contents{Plain{}, file.size()};
+}
+
+/// The name of an archive's entry without its folders.
+fs::path file_name_of(const ZipEntry& entry) {
+  return fs::path(entry.name).filename();
 }
 
 /// The cell by the file's name, by the name inside the archive, or by both where they agree.
 Result<Cell> agreed_cell(const fs::path& path, const Packing& packing) {
   const auto* entry = std::get_if<ZipEntry>(&packing);
   const auto outer = cell_of(path);
-  const auto inner = entry != nullptr ? cell_of(entry->name) : std::nullopt;
+  const auto inner = entry != nullptr ? cell_of(file_name_of(*entry)) : std::nullopt;
   if (outer && inner && !(*outer == *inner))
     return bad_data(fmt::format("{}: expected the archive's own cell, found {} in it", path.string(),
                                 printable(entry->name)));
@@ -158,10 +168,18 @@ Status HgtSource::prepare() const {
 
 Status HgtSource::unpack() const {
   const auto expected = static_cast<std::uint64_t>(2 * info_.columns * info_.rows);
-  if (const auto* entry = std::get_if<ZipEntry>(&packing_)) return unpack_zip_entry(file_, *entry, unpacked_);
-  if (std::holds_alternative<Gzip>(packing_))
-    return inflate(file_, 0, file_.size(), DeflateWrapping::gzip, expected, unpacked_);
-  return {};
+  const fs::path& path = file_.path();
+  const auto too = [&](const char* found) {
+    return bad_data(fmt::format("{}: expected {} bytes inside, found {}", path.string(), expected, found));
+  };
+  const ByteSink keep = [&](std::span<const std::byte> bytes) -> Status {
+    return unpacked_.size() + bytes.size() > expected ? Status(too("more")) : unpacked_.append(bytes);
+  };
+  Status status;
+  if (const auto* entry = std::get_if<ZipEntry>(&packing_)) status = unpack_zip_entry(path, *entry, keep);
+  if (std::holds_alternative<Gzip>(packing_)) status = unpack_gzip(path, keep);
+  if (!status || std::holds_alternative<Plain>(packing_)) return status;
+  return unpacked_.size() == expected ? Status() : Status(too("fewer"));
 }
 
 /// The format has no mark to know it by. Bytes that are something else, or in the other order, show as
@@ -199,7 +217,10 @@ Status HgtSource::read_heights(const PostWindow& window, std::span<float> out) c
 
 bool claims(const fs::path& path, std::span<const std::byte>) {
   const std::string name = lower(path.filename().string());
-  return name.ends_with(".hgt") || name.ends_with(".hgt.gz") || name.ends_with(".zip");
+  if (name.ends_with(".hgt") || name.ends_with(".hgt.gz")) return true;
+  if (!name.ends_with(".zip")) return false;
+  const auto entries = list_zip(path);
+  return entries && std::any_of(entries->begin(), entries->end(), is_hgt);
 }
 
 Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptions& options) {
@@ -241,5 +262,8 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
 
 extern const RasterFormat hgt_format;
 const RasterFormat hgt_format = {"hgt", 10, claims, open, true};
+
+extern const RasterNames hgt_names;
+const RasterNames hgt_names = {kExtensions};
 
 }  // namespace cairn

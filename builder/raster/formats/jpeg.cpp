@@ -1,4 +1,5 @@
 // JPEG imagery, placed by a world file or by bounds.
+#include <array>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -11,12 +12,15 @@
 // and this one jpeglib.h.
 #include <jerror.h>
 
+#include "builder/raster/raster_names.h"
 #include "builder/raster/scanline_source.h"
 
 namespace cairn {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::array kExtensions = {".jpg", ".jpeg"};
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -123,5 +127,8 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
 
 extern const RasterFormat jpeg_format;
 const RasterFormat jpeg_format = {"jpeg", 41, claims, open};
+
+extern const RasterNames jpeg_names;
+const RasterNames jpeg_names = {kExtensions};
 
 }  // namespace cairn

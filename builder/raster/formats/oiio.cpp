@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "builder/raster/image_module.h"
+#include "builder/raster/raster_names.h"
 #include "builder/raster/raster_source.h"
 #include "builder/raster/reader_plugin.h"
 #include "builder/raster/world_file.h"
@@ -17,6 +18,8 @@ namespace cairn {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::array kExtensions = {".jp2", ".j2k", ".bmp", ".webp", ".exr", ".tga"};
 using namespace std::string_view_literals;
 
 /// What the formats begin with. TGA begins with nothing of its own and goes by its name.
@@ -69,5 +72,8 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
 
 extern const RasterFormat oiio_format;
 const RasterFormat oiio_format = {"oiio", 900, claims, open};
+
+extern const RasterNames oiio_names;
+const RasterNames oiio_names = {kExtensions};
 
 }  // namespace cairn

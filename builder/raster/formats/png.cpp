@@ -1,4 +1,5 @@
 // PNG with a world file: palettes and fewer than 8 bits come as 8-bit colours, a transparent colour as alpha.
+#include <array>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -9,12 +10,15 @@
 #include <png.h>
 
 #include "builder/raster/height_encoding.h"
+#include "builder/raster/raster_names.h"
 #include "builder/raster/scanline_source.h"
 
 namespace cairn {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::array kExtensions = {".png"};
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -117,5 +121,8 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
 
 extern const RasterFormat png_format;
 const RasterFormat png_format = {"png", 40, claims, open};
+
+extern const RasterNames png_names;
+const RasterNames png_names = {kExtensions};
 
 }  // namespace cairn

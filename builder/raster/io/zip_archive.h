@@ -1,31 +1,29 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "builder/raster/io/input_file.h"
-#include "builder/raster/io/scratch_bytes.h"
+#include "builder/raster/io/byte_sink.h"
 #include "cairn/status.h"
 
 namespace cairn {
 
 /// A file inside a zip archive, as the archive's directory lists it.
 struct ZipEntry {
-  std::string name;
-  std::uint16_t flags = 0;
-  std::uint16_t method = 0;  ///< 0 stored, 8 deflated
-  std::uint32_t crc32 = 0;
-  std::uint32_t packed_bytes = 0;
-  std::uint32_t bytes = 0;
-  std::uint32_t header_offset = 0;
+  std::string name;  ///< with its folders, as the archive writes it
+  std::uint64_t bytes = 0;
+  std::uint64_t index = 0;
 };
 
-/// The archive's directory (PKWARE APPNOTE 4.3.12). Archives past 4 GiB (zip64) or in parts are bad_data.
-Result<std::vector<ZipEntry>> list_zip(const InputFile& file);
+/// The archive's files, read through libzip. Folders are left out, and so is what macOS adds to each archive:
+/// `__MACOSX/` and files whose names begin with `._` hold no file's contents, but its attributes. bad_data
+/// where the directory is damaged or is no directory.
+Result<std::vector<ZipEntry>> list_zip(const std::filesystem::path& path);
 
-/// Appends the entry's bytes, unpacked, to `out`. bad_data where the entry is damaged, encrypted or packed by
-/// another method, or its checksum differs.
-Status unpack_zip_entry(const InputFile& file, const ZipEntry& entry, ScratchBytes& out);
+/// Hands on the entry's bytes, unpacked. bad_data where the entry is damaged, encrypted, packed by a method
+/// that libzip does not know or longer than its directory says, or where its checksum differs.
+Status unpack_zip_entry(const std::filesystem::path& path, const ZipEntry& entry, const ByteSink& sink);
 
 }  // namespace cairn

@@ -12,7 +12,7 @@ std::vector<std::string> names_of(const std::vector<std::string>& arguments) {
   const auto files = expand_inputs(arguments);
   if (!files) return {"error: " + files.error().message};
   std::vector<std::string> names;
-  for (const auto& file : *files) names.push_back(file.filename().string());
+  for (const auto& file : files->files) names.push_back(file.filename().string());
   return names;
 }
 

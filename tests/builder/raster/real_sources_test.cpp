@@ -18,7 +18,7 @@ std::vector<fs::path> rasters_in(const fs::path& folder) {
   const std::vector<std::string> arguments{folder.string()};
   const auto files = expand_inputs(arguments);
   REQUIRE(files.ok());
-  return *files;
+  return files->files;
 }
 
 std::vector<test::Post> some_posts(const RasterInfo& info, unsigned seed) {
