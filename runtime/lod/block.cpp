@@ -1,10 +1,11 @@
-// [1, §3] Agrawal et al., TREND: blocks of 17×17 samples with a pyramid of four levels (17, 9, 5, 3 samples a
-// side), each block with the coarsest whose error on the picture is at most τ, decided from a table made when
-// the tile is loaded (de Boer 2000); frustum culling by block; long strips. The error is projected at the
-// distance of the block's box, f·e/d, as de Boer does: he leaves the angle out, which is exact in the
-// picture's middle and up to 1/cos² too small towards its corners. A block's errors are measured with the
-// chords of the Earth's curvature. The tile's own error against finer ones does not count, so no tolerance is
-// promised.
+// The method `block` (Agrawal et al. 2006, §3): blocks of 17×17 samples with a pyramid of four levels (17, 9,
+// 5 and 3 samples per side). Each block is drawn at its coarsest level whose screen error is at most τ,
+// decided from a table made when the tile is loaded (de Boer 2000); frustum culling by block; long strips.
+//
+// The error is projected at the distance of the block's box, f·e/d, as de Boer does. He leaves the angle out,
+// which is exact in the middle of the viewport and up to 1/cos² too small towards its corners. A block's
+// errors include the sagitta of the Earth's curvature. The tile's own error against finer ones does not
+// count, so the method does not keep a tolerance.
 
 #include <algorithm>
 

@@ -1,4 +1,5 @@
-// [4, §3.1]: every sample of every tile; one strip a tile with degenerate triangles, [0, §2, Table 1].
+// The method `full`: every sample of every tile (Melkisetoğlu 2005, §3.1), as one strip with degenerate
+// triangles per tile (Vaněk & Ježek 2004, §2, table 1).
 
 #include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/cpu_clock.h"

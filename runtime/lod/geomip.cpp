@@ -1,12 +1,12 @@
-// [0, §3] Vaněk & Ježek 2004: patches of 2^n+1 samples, drawn with 2^k+1,
+// The method `geomip` (Vaněk & Ježek 2004, §3): patches of 2^n+1 samples, drawn with 2^k+1,
 //
 //   k = n (1 - ((dist - mindist) / (maxdist - mindist))^exp),  n up to mindist, 0 from maxdist,
 //
-// moved edge vertices, frustum culling by box, one strip with degenerate triangles a patch. The paper leaves
-// n, mindist, maxdist and exp to the user. Here n = 6; k is rounded up; dist is to the patch's middle;
-// mindist is where the samples are kPixels · tolerance apart on the picture, maxdist = 2^n mindist, where the
-// whole patch is, and exp = 0.3 comes closest to spacings that grow with distance between the two. The
-// paper's rule knows no heights, so it promises no tolerance; nor does ours.
+// with moved edge vertices, frustum culling by box, and one strip with degenerate triangles per patch. The
+// paper leaves n, mindist, maxdist and exp to the user. Here n = 6, k is rounded up, and dist is to the
+// patch's middle. Samples are kPixels · tolerance apart on the screen at mindist; at maxdist = 2^n mindist
+// the patch's corners are. exp = 0.3 comes closest to spacings that grow with distance between the two. The
+// rule knows no heights, so the method has no tolerance to keep.
 
 #include <algorithm>
 #include <cmath>

@@ -1,21 +1,21 @@
-// [4, §5] Melkisetoğlu 2005, after Röttger 1998: a node of edge d whose middle is l from the eye, in the L1
-// norm (5.3), is split while
+// The method `quadtree` (Melkisetoğlu 2005, §5, after Röttger et al. 1998). A node of edge d, whose middle is
+// at the L1 distance l from the camera (eq. 5.3), is split while
 //
 //   f = l / (d C max(c, 1)) < 1                       (5.4)
 //   f = l / (d C max(c d2, 1))                        (5.6), with roughness: d2 = max|dh| / d (5.5)
 //   C_N = C / (1 + |cos θ|)^4 in C's place            (5.8), with angle compensation, θ the view's pitch
 //
-// down to nodes of 3×3 samples, and drawn as triangle fans around the nodes' middles, which leave out the
-// middle of an edge where the neighbour has not been split (Tables 5.2.1, 5.2.2). The axes of the L1 norm are
-// east, north and up at the eye. C, c follow from the tolerance τ: without roughness c = 1 and C = P/(8τ), P
-// pixels a radian: nodes of 8τ px are split; with it C = P/(32τ), c = 32, so that a node is split while its
-// dh projects above τ or its edge above 32τ px. A node's dh is not below its children's.
+// down to nodes of 3×3 samples. Nodes are drawn as triangle fans around their middles, which leave out the
+// middle of an edge where the neighbour has not been split (tables 5.2.1, 5.2.2). The axes of the L1 norm are
+// east, north and up at the camera. C and c follow from the tolerance τ, with P pixels per radian: without
+// roughness c = 1 and C = P/(8τ), so that nodes of 8τ px are split; with it C = P/(32τ) and c = 32, so that a
+// node is split while its dh projects above τ or its edge above 32τ px. A node's dh is not below its
+// children's.
 //
-// Departures, because the description leaves cracks there: (a) a node is split where a neighbour of its size
-// has a split child beside it, in its tile or in the next of the same level, whatever f says (the thesis
-// relies on C, and its frustum test breaks even that); (b) tiles of different levels are joined by
-// remove_t_junctions(); (c) a tile's root is always split. The rule bounds no error, so no tolerance is
-// promised.
+// Departures, because the description leaves cracks: (a) a node is split where a neighbour of its size has a
+// split child beside it, in its tile or in the next of its level, whatever f says (the source relies on C,
+// and its frustum test breaks even that); (b) tiles of different levels are joined by remove_t_junctions();
+// (c) a tile's root is always split. The rule bounds no error, so the method has no tolerance to keep.
 
 #include <algorithm>
 #include <cmath>

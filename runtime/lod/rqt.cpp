@@ -1,18 +1,20 @@
-// [3] Intel's terrain sample: triangulations worked out when the pack was baked and stored as one bit a
-// visited vertex, `cairn bake --rqt`. When a tile is loaded its flags are decoded; a picture takes, for each
-// patch, the coarsest triangulation whose error is at most the tolerance at the distance of the patch's box
-// [3, the formula after fig. 3], and all samples where none is.
+// The method `rqt` (Intel 2012): triangulations worked out when the pack was baked, stored as one bit per
+// visited vertex (`cairn bake --rqt`).
 //
-// Departures: the sample has one triangulation a patch and splits the patch into four until it is good
-// enough; here the scene says which tiles there are, so each has eight, every one with twice the error of the
-// one before, and a patch is 64×64 cells of a tile. The error on the screen holds up to the picture's corners
-// (ScreenErrorBudget); the tile's own error against finer ones counts, and what triangles differ by from the
-// bilinear surface between samples; squares whose flat triangles would leave the curved Earth by more than an
-// eighth of what is allowed are split. A tile that has no flags is triangulated when it is loaded, from a
-// 64th of its samples' spacing on. Where patches take different triangulations, their border gets the
-// vertices of both.
+// A tile's flags are decoded when it is loaded. For a view each patch takes the coarsest triangulation whose
+// error is within the tolerance at the distance of the patch's box (the formula after figure 3), and all
+// samples where none is.
 //
-// Promise: as the method `cairn`'s.
+// Departures: the sample has one triangulation per patch and splits the patch into four until it is good
+// enough. Here the scene decides which tiles there are, so each tile has eight triangulations, every one with
+// twice the error of the one before, and a patch is 64×64 cells of a tile. The bound of the screen error
+// holds up to the viewport's corners (ScreenErrorBudget). The tile's own error against finer tiles counts,
+// and so does the distance of triangles from the bilinear surface between samples. Squares whose flat
+// triangles leave the curved Earth by more than an eighth of the allowed error are split. A tile without
+// flags is triangulated when it is loaded, from a 64th of its sample spacing on. Where patches take different
+// triangulations, their border gets the vertices of both.
+//
+// Guarantee: that of the method `cairn`.
 
 #include <algorithm>
 #include <array>

@@ -1,17 +1,19 @@
-// [4, §4.3] SOAR (Lindstrom & Pascucci 2001): each vertex of the bisection hierarchy has an error and a
-// sphere, grown until they hold those of all vertices below it, so that the error projected from the sphere's
-// nearest point grows towards the coarse. One pass from the coarse to the fine then finds the mesh, and a
-// sphere out of the picture ends it early; the triangles are drawn from left to right as one generalised
-// strip a tile (their listing of mesh-refine, submesh-refine and tristrip-append).
+// The method `soar` (Lindstrom & Pascucci 2001; Melkisetoğlu 2005, §4.3).
 //
-// Departures: the error of a vertex is the largest distance of the samples from the triangles bisected there
-// (bisection_errors()) with what lies between samples and the Earth's curvature, not that of the vertex from
-// the middle of its edge, so that the tolerance holds at every sample; it is projected isotropically, as
-// theirs, but so that it holds up to the picture's corners (Screen). Spheres of neighbouring tiles
-// are not nested in each other: a border gets the vertices of both sides.
+// Each vertex of the bisection hierarchy has an error and a sphere, grown until they contain those of all
+// vertices below it, so that the error projected from the sphere's nearest point grows towards the coarse
+// levels. One pass from coarse to fine then finds the mesh, and a sphere outside the viewport ends it early.
+// The triangles are drawn as one generalised strip per tile (their mesh-refine, submesh-refine and
+// tristrip-append).
 //
-// Promise: every finest sample in the picture is within the tolerance, as far as the tiles' own error allows:
-// it is added to each vertex's.
+// Departures: a vertex's error is the largest distance of the samples from the triangles bisected there
+// (bisection_errors()), with what lies between samples and the Earth's curvature, not the distance of the
+// vertex from the middle of its edge, so that the tolerance holds at every sample. It is projected
+// isotropically, as theirs, but so that the bound holds up to the viewport's corners (Screen). Spheres of
+// neighbouring tiles are not nested in each other; a border gets the vertices of both sides.
+//
+// Guarantee: every finest sample in the viewport is within the tolerance, as far as the tiles' own error
+// allows, which is added to each vertex's.
 
 #include <algorithm>
 #include <bit>
