@@ -10,6 +10,7 @@
 #include "builder/raster/pam_sidecar.h"
 #include "tests/support/dem_files.h"
 #include "tests/support/gdal_oracle.h"
+#include "tests/support/test_data.h"
 
 namespace cairn::test {
 namespace {
