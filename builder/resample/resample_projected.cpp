@@ -15,6 +15,7 @@ constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
 constexpr double kReach = 4;                 // posts beyond the extent
 constexpr double kPositionTolerance = 1e-3;  // of a post; the fit corrects what comes of it
 constexpr double kPlaceTolerance = 1e-5;     // of a sample
+constexpr std::int64_t kLeastStep = 8;  // of the meshes: cells that are too wide are found out by their check
 
 float cubic_at(const float* corner, std::int64_t stride, double s, double t) {
   const auto ws = catmull_rom(s);
@@ -89,7 +90,8 @@ bool ProjectedResampler::is_in_reach(const PlanePoint& p) const {
 
 SamplePositions ProjectedResampler::positions_of(IndexWindow samples) const {
   SamplePositions positions{samples, {}, {}};
-  const ProjectionMesh mesh(samples, projection_mesh_step(samples_per_degree_), kPositionTolerance,
+  const ProjectionMesh mesh(samples, std::max(kLeastStep, projection_mesh_step(samples_per_degree_)),
+                            kPositionTolerance,
                             [this](std::int64_t x, std::int64_t y) { return position_of(x, y); });
   positions.at.resize(static_cast<std::size_t>(samples.count()));
   PostsAround posts;
@@ -142,7 +144,8 @@ void ProjectedResampler::visit_places(IndexWindow posts, IndexWindow samples,
   };
   IndexWindow meshed = posts;
   if (!shifts.empty()) meshed = {{posts.x.first, posts.x.last + 1}, {posts.y.first, posts.y.last + 1}};
-  const ProjectionMesh mesh(meshed, projection_mesh_step(samples_per_degree_ / 2), kPlaceTolerance, place);
+  const ProjectionMesh mesh(meshed, std::max(kLeastStep, projection_mesh_step(samples_per_degree_ / 2)),
+                            kPlaceTolerance, place);
   std::vector<PlanePoint> row(static_cast<std::size_t>(meshed.x.count())), next(row.size());
   for (std::int64_t y = posts.y.first; y <= posts.y.last; ++y) {
     mesh.row(y, row);

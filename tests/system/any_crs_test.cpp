@@ -62,7 +62,7 @@ const std::vector<Grid>& wide_grids() {
   static const std::vector<Grid> grids = {
       {"LAEA Europe", 3035, false, 4321000, 3210000, 100},
       {"Conus Albers", 5070, false, -1000000, 1900000, 30},
-      {"Alaska Albers over 180°", 3338, false, -2150000, 500000, 200},
+      {"Alaska Albers over 180°", 3338, false, -1157000, 2015000, 200},
       {"polar stereographic north", 3413, false, -400000, -900000, 100},
       {"polar stereographic south", 3031, false, 1000000, -900000, 200},
       {"LAEA north pole, Alaska", 3572, false, 300000, -2000000, 200},
