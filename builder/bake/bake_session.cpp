@@ -11,6 +11,7 @@ namespace {
 
 bool block_is_whole(const File& part, std::uint64_t part_bytes, const IndexEntry& entry,
                     std::vector<std::byte>& buffer) {
+  if (entry.bytes == 0) return true;  // a constant tile has no block
   if (entry.offset > part_bytes || entry.bytes > part_bytes - entry.offset) return false;
   buffer.resize(entry.bytes);
   return part.read(entry.offset, buffer).ok() && checksum(buffer) == entry.checksum;

@@ -20,7 +20,10 @@ constexpr double kBinMetres = 0.25;
 struct LineSum {
   double jump = 0;
   std::uint64_t posts = 0;
+  std::uint64_t upwards = 0;  ///< posts whose jump is above 0
   double mean() const { return posts > 0 ? jump / static_cast<double>(posts) : 0; }
+  /// Whether most posts jump one way: a single spike or a lake's edge moves the mean, but not most posts.
+  bool is_shared() const { return 4 * std::max(upwards, posts - upwards) >= 3 * posts; }
 };
 
 /// Rows of a raster with those before and after them: rows first-1 to first+rows.
@@ -110,7 +113,9 @@ class Inspection {
     if (std::isnan(before) || std::isnan(next) || std::isnan(after)) return;
     const double b = static_cast<double>(before), n = static_cast<double>(next),
                  a = static_cast<double>(after);
-    line.jump += (n - here) - ((here - b) + (a - n)) / 2;
+    const double jump = (n - here) - ((here - b) + (a - n)) / 2;
+    line.jump += jump;
+    line.upwards += jump > 0 ? 1 : 0;
     ++line.posts;
   }
 
@@ -157,7 +162,8 @@ class Inspection {
     const double least = std::max(kLeastStep, kStepFactor * *middle);
     // Beside a step of a height its neighbours' slopes show half of it, the other way round.
     for (std::size_t i = 0; i < lines.size(); ++i)
-      if (lines[i].posts > 0 && std::abs(lines[i].mean()) > least && is_peak(lines, i))
+      if (lines[i].posts > 0 && std::abs(lines[i].mean()) > least && lines[i].is_shared() &&
+          is_peak(lines, i))
         found_.steps.push_back({between_columns, static_cast<std::int64_t>(i), lines[i].mean()});
   }
 

@@ -89,7 +89,7 @@ TEST_CASE("JSON of options that is wrong is refused with the key, what was expec
   CHECK(message("[]") == "options: expected an object, found another type");
   CHECK(message(R"({"void": "dig"})") == R"(options: void: expected one of fill, keep, found "dig")");
   CHECK(message(R"({"resampling": 3})") ==
-        "options: resampling: expected one of nearest, bilinear, cubic, exact, found 3");
+        "options: resampling: expected one of nearest, bilinear, cubic, exact, smooth, found 3");
   CHECK(message(R"({"level": 1.5})") == "options: level: expected a whole number, found 1.5");
   CHECK(message(R"({"region": {"west": "x"}})") == R"(options: west: expected a number, found "x")");
   CHECK(message(R"({"imagery": {"quality": "good"}})") ==

@@ -109,7 +109,7 @@ TEST_CASE("a bake's own unfinished files never take the place of an input or of 
     place.expect_refusal({"bake", place.dem.string(), "-o", place.at(target), "--force"});
 }
 
-TEST_CASE("--force replaces packs, and nothing else") {
+TEST_CASE("bake --force replaces packs, and nothing else") {
   const Workplace place;
   const std::string dem = place.dem.string();
   std::ofstream(place.at("thesis.doc")) << "years of work";
@@ -183,7 +183,7 @@ TEST_CASE("a full disk keeps what is baked, which is neither lost nor mixed with
   CHECK_FALSE(fs::exists(cut + ".journal"));
 }
 
-TEST_CASE("--force discards the work of an interrupted bake") {
+TEST_CASE("bake --force discards the work of an interrupted bake") {
   const Workplace place;
   const std::string whole = place.at("whole.cairn"), cut = place.at("cut.cairn");
   REQUIRE(run_cairn(small_units(place.dem.string(), whole)).exit_code == 0);

@@ -22,7 +22,7 @@ HeightField plane(double east, double north) {
   return field;
 }
 
-const ReliefStyle kStyle{10, 10, 1, 4000, -4000};
+const ReliefStyle kStyle{.column_spacing_m = 10, .row_spacing_m = 10};
 
 std::array<int, 4> middle_pixel(const HeightField& field, const ReliefStyle& style = kStyle) {
   std::array<std::uint8_t, 12> row{};
