@@ -98,7 +98,7 @@ MeshPlan Renderer::State::plan(std::span<const ShownTile* const> seen, const Vie
   for (const ShownTile* each : seen) {
     const ResidentHeights* heights = tiles.heights_of(each->tile);
     areas.push_back({each->tile.area, heights ? &heights->surface : nullptr, each->tile.distance_m,
-                     each->detail, each->moves, static_cast<double>(each->tile.finer_error_m)});
+                     each->detail, each->moves});
   }
   MeshRules rules;
   rules.tile_size = tiles.tile_size();

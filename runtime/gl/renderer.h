@@ -24,7 +24,7 @@ struct FrameLook {
   bool wireframe = false;
   bool level_colours = false;             ///< a colour for each level of the tiles instead of imagery or tint
   double frame_s = 1.0 / 60;              ///< since the last frame: the exchange of levels follows the clock
-  double tolerance_px = 1;                ///< screen error of mesh and tiles together, as the Terrain's; > 0
+  double tolerance_px = 1;                ///< screen error that the mesh may add to the tiles' own; > 0
   const LodMethodInfo* method = nullptr;  ///< draws a method's mesh instead of the renderer's own: on one
                                           ///< thread, tiles exchanged at once, so for comparing pictures
   bool draws = true;                      ///< false: all of a frame's work but the draw calls, to measure it

@@ -6,23 +6,22 @@
 #include <unordered_map>
 #include <vector>
 
-#include "cairn/bounding_volume.h"
 #include "cairn/pack_reader.h"
 #include "cairn/status.h"
 #include "runtime/lod/lod_method.h"
 #include "runtime/paging/tile_availability.h"
-#include "runtime/paging/tile_selection.h"
-#include "runtime/paging/tile_tree.h"
 #include "runtime/scene/focus_tile.h"
 #include "runtime/scene/scene_map.h"
+#include "cairn/bounding_volume.h"
 
 namespace cairn {
 
-/// Which tiles a scene has: those that a Terrain of this pattern shows, heights alone, without a budget.
+/// Which tiles a scene has.
 struct SceneRules {
   RefinementPattern pattern = RefinementPattern::restricted;
-  double refine_px = kTileShare;  ///< the screen error that the tiles may have; see SelectionRules
-  bool with_ring = true;          ///< false: without the tiles around the eye that are outside the view
+  /// An area in the picture whose source's geometric error may project above this is split, as far as the
+  /// pack has finer tiles: no method can keep a tolerance that its tiles do not. 0: the scene map alone.
+  double refine_px = 0;
 };
 
 /// A part of the Earth where the pack has nothing finer than `source`.
@@ -37,20 +36,24 @@ class LabTerrain {
  public:
   explicit LabTerrain(std::shared_ptr<const PackReader> pack);
 
-  const PackReader& pack() const { return contents_->pack(); }
-  double lowest_m() const { return contents_->lowest_m(); }
+  const PackReader& pack() const { return contents_.pack(); }
+  double lowest_m() const { return contents_.lowest_m(); }
   const std::vector<FinestArea>& finest() const { return finest_; }
 
   /// The eye's tile is held over a flight's views as Terrain does; forget_eye() begins anew.
   Result<LodScene> scene_for(const ViewState& view, const SceneRules& rules);
-  void forget_eye() { eye_ = FocusTile(FocusTile::kTileMargin, FocusTile::kLevelMargin); }
+  void forget_eye() { eye_ = FocusTile(kTileMargin, kLevelMargin); }
 
   Result<std::shared_ptr<const HeightTile>> heights(const IndexEntry& entry);
   /// Of the finest surface, in metres; nullopt where the pack has none or it is void.
   Result<std::optional<double>> ground_m(LonLat place);
 
  private:
-  std::vector<TileId> areas_for(const ViewState& view, const SceneRules& rules);
+  static constexpr double kTileMargin = 0.125, kLevelMargin = 0.25;  // TerrainOptions' own
+
+  void add_to_cover(const TileId& area, bool has_source, std::vector<TileId>& cover) const;
+  std::vector<TileId> areas_for(const ViewState& view, RefinementPattern pattern);
+  void refine(const TileId& area, const ViewState& view, double refine_px, std::vector<TileId>& out) const;
   void within_world(const TileId& area, std::vector<TileId>& out) const;
   bool has_finer(const TileId& area) const;
   void list_finest(const TileId& area);
@@ -58,10 +61,9 @@ class LabTerrain {
   Result<LodTile> load(const TileId& area, const IndexEntry& source);
   Result<std::shared_ptr<const std::vector<std::byte>>> flags(const TileId& id);
 
-  std::unique_ptr<TileAvailability> contents_;  // stays where the tree knows it, when this is moved
+  TileAvailability contents_;
   Occluder occluder_;
-  TileTree tree_;
-  FocusTile eye_{FocusTile::kTileMargin, FocusTile::kLevelMargin};
+  FocusTile eye_{kTileMargin, kLevelMargin};
   std::vector<FinestArea> finest_;
   std::unordered_map<TileId, std::shared_ptr<const HeightTile>> heights_;
   std::unordered_map<TileId, std::shared_ptr<const std::vector<std::byte>>> flags_;

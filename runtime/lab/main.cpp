@@ -47,8 +47,8 @@ void declare_common(CLI::App& app, Options& o) {
   app.add_option("--size", o.size, "of the picture, in pixels: WxH");
   app.add_option(
          "--tiles", o.tiles,
-         "map: what the runtime shows, refined where a tile's own error may project above half of the "
-         "tolerance, with the ring of tiles around the eye; error: without the ring")
+         "map: the scene map as it is; error: refined where a tile's own error projects above half of "
+         "the tolerance")
       ->check(CLI::IsMember({"map", "error"}));
   app.add_flag("--roughness", o.lod.roughness, "quadtree: split rough ground further");
   app.add_flag("--angle-compensation", o.lod.angle_compensation, "quadtree: split less when looking ahead");
@@ -136,7 +136,7 @@ Result<LabTerrain> open_terrain(const Options& o) {
 }
 
 SceneRules rules_of(const Options& o) {
-  return {RefinementPattern::restricted, kTileShare, o.tiles == "map"};
+  return {RefinementPattern::restricted, o.tiles == "error" ? 0.5 : 0.0};
 }
 
 Result<CompareSpec> spec_of(const Options& o) {

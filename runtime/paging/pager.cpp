@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -25,9 +24,6 @@ std::uint64_t bytes_of_a_place(const TileAvailability& contents) {
   return decoded_bytes_bound(heights, size) +
          (contents.has_imagery() ? decoded_bytes_bound(imagery, size) : 0);
 }
-
-// What the tree of tiles and its selections take beside the tiles themselves.
-constexpr std::uint64_t kTreeBytes = 3u << 20;
 
 /// Reading a tile takes its block, which may be as large as the tile, and the decoder's working memory,
 /// beside the tile itself.
@@ -57,25 +53,35 @@ struct Pager::Need {
   }
 };
 
-Pager::Pager(TileAvailability& contents, const TileTree& tree, TileSource source, const PagerOptions& options)
+Pager::Pager(TileAvailability& contents, TileSource source, const Occluder& occluder,
+             const PagerOptions& options)
     : contents_(contents),
-      tree_(tree),
+      occluder_(occluder),
       options_(options),
       place_bytes_(bytes_of_a_place(contents)),
-      capacity_(options.cache_bytes - kTreeBytes - bytes_of_workers(contents, options.workers)),
+      capacity_(options.cache_bytes - bytes_of_workers(contents, options.workers)),
       queue_(std::move(source), options.workers, contents.pack().header().tile_size) {
   assert(options.cache_bytes >= least_bytes(contents, options.workers));
-  const CutNode& root = tree.node({kMinLevel, 0, 0}).best;
+  const CutNode root = make_cover_tile({kMinLevel, 0, 0}, contents_, occluder_);
   drawn_ = {CutNode{root.area, std::nullopt, std::nullopt, root.volume}};
   target_ = {root};
 }
 
 std::uint64_t Pager::least_bytes(const TileAvailability& contents, int workers) {
-  return kTreeBytes + bytes_of_workers(contents, workers) + kLeastPlaces * bytes_of_a_place(contents);
+  return bytes_of_workers(contents, workers) + kLeastPlaces * bytes_of_a_place(contents);
 }
 
-std::uint64_t Pager::target_bytes() const {
-  return capacity_ - kSparePlaces * place_bytes_;
+bool Pager::fits(const TileCut& cover) const {
+  std::unordered_set<TileKey> seen;
+  std::uint64_t bytes = kSparePlaces * place_bytes_;
+  for (const CutNode& tile : cover) {
+    tile.for_each_source([&](const IndexEntry& entry) {
+      if (seen.insert(key_of(entry)).second) {
+        bytes += decoded_bytes_bound(entry, contents_.pack().header().tile_size);
+      }
+    });
+  }
+  return bytes <= capacity_;
 }
 
 void Pager::set_target(TileCut target) {
@@ -96,10 +102,10 @@ void Pager::advance() {
   }
 }
 
-void Pager::request(std::span<const ViewFrustum> views) {
+void Pager::request(const ViewFrustum& view) {
   if (outdated_ || (settled_ && planned_)) return;
   const auto now = LoadQueue::Clock::now();
-  plan(views);
+  plan(view);
   queue_.set_wanted(missing_, now);
   ask(now);
   planned_ = settled_ && queue_.size() == 0;
@@ -152,25 +158,11 @@ bool Pager::is_ready(const CutNode& tile) const {
   return ready;
 }
 
-/// The children of the area that a change refines, with no finer sources than the target has there.
-TileCut Pager::first_step(const CutChange& change) const {
+TileCut Pager::children_of(const CutNode& tile) const {
   TileCut children;
-  std::size_t at = change.new_first;
-  const std::size_t end = change.new_first + change.new_count;
   for (int quadrant = 0; quadrant < 4; ++quadrant) {
-    const TileId id = child_of(drawn_[change.old_first].area, quadrant);
-    if (!is_valid(id)) continue;
-    const CutNode& best = tree_.node(id).best;
-    CutNode child{id, std::nullopt, std::nullopt, best.volume};
-    const auto take = [&id](const auto& target, const auto& best_here, auto& source) {
-      if (!target) return;
-      source = target->id.level > id.level ? best_here : (source ? source : target);
-    };
-    for (; at < end && ancestor_of(target_[at].area, id.level) == id; ++at) {
-      take(target_[at].heights, best.heights, child.heights);
-      take(target_[at].imagery, best.imagery, child.imagery);
-    }
-    children.push_back(child);
+    const TileId id = child_of(tile.area, quadrant);
+    if (is_valid(id)) children.push_back(make_cover_tile(id, contents_, occluder_));
   }
   return children;
 }
@@ -207,7 +199,7 @@ bool Pager::replace(const CutChange& change, TileCut& next) {
     return true;
   }
   if (change.new_count <= 4) return false;
-  const TileCut children = first_step(change);
+  const TileCut children = children_of(drawn_[change.old_first]);
   if (!std::all_of(children.begin(), children.end(), is_ready_tile)) return false;
   next.insert(next.end(), children.begin(), children.end());
   return true;
@@ -221,19 +213,14 @@ std::vector<IndexEntry> Pager::sources_for(const CutChange& change) const {
   return sources;
 }
 
-Pager::Need Pager::need_for(const CutChange& change, std::span<const ViewFrustum> views) const {
+Pager::Need Pager::need_for(const CutChange& change, const ViewFrustum& view) const {
   const CutNode& whole = change.coarsens() ? target_[change.new_first] : drawn_[change.old_first];
   const double width = 2 * glm::length(whole.volume.half_axes[1]);
-  Need need{change, false, std::numeric_limits<double>::infinity()};
-  for (const ViewFrustum& view : views) {
-    need.visible = need.visible || view.sees(whole.volume);
-    need.distance_by_width = std::min(need.distance_by_width, whole.volume.distance_m(view.eye()) / width);
-  }
-  return need;
+  return {change, view.sees(whole.volume), whole.volume.distance_m(view.eye()) / width};
 }
 
 /// Decides what is held in this round: all that is drawn, then what replaces it, as far as memory goes.
-void Pager::plan(std::span<const ViewFrustum> views) {
+void Pager::plan(const ViewFrustum& view) {
   held_.clear();
   held_bytes_ = 0;
   missing_.clear();
@@ -242,7 +229,7 @@ void Pager::plan(std::span<const ViewFrustum> views) {
     tile.for_each_source([&](const IndexEntry& entry) { hold({&entry, 1}, capacity_); });
   }
   std::vector<Need> needs;
-  for (const CutChange& change : changes_between(drawn_, target_)) needs.push_back(need_for(change, views));
+  for (const CutChange& change : changes_between(drawn_, target_)) needs.push_back(need_for(change, view));
   std::sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) { return a.before(b); });
   for (const Need& need : needs) admit(need);
   for (const IndexEntry& entry : ahead_) hold({&entry, 1}, capacity_ - kSparePlaces * place_bytes_);
@@ -253,7 +240,7 @@ void Pager::admit(const Need& need) {
   if (need.change.new_count <= kMostAtOnce && hold(sources_for(need.change), limit)) return;
   if (need.change.new_count <= 4) return;
   std::vector<IndexEntry> sources;
-  for (const CutNode& child : first_step(need.change)) {
+  for (const CutNode& child : children_of(drawn_[need.change.old_first])) {
     child.for_each_source([&](const IndexEntry& entry) { sources.push_back(entry); });
   }
   hold(sources, limit);

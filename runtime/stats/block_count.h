@@ -31,11 +31,8 @@ TileId endless_world();
 /// The tiles that a map of the spec shows with the eye there, its K levels only.
 std::vector<TileId> counted_tiles(const CountSpec& spec, const TileId& eye);
 
-/// The tiles that are shown along a walk: at the start and after each move.
-std::vector<std::vector<TileId>> shown_along(const CountSpec& spec, std::span<const Move> walk);
-
-/// The counts of each move, given the tiles that are shown before the first and after each.
-std::vector<MoveCount> count_moves(std::span<const std::vector<TileId>> shown);
+/// A walk from the start: one count a move.
+std::vector<MoveCount> count_walk(const CountSpec& spec, std::span<const Move> walk);
 
 /// Every eye tile of a 2^(K+2) square north-east of the start, and from each every one of `moves`.
 std::vector<MoveCount> count_exhaustively(const CountSpec& spec, std::span<const Move> moves);

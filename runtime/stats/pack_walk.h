@@ -33,10 +33,9 @@ std::optional<TileId> middle_tile(const PackReader& pack);
 /// or nowhere if that is off them too.
 std::vector<Move> kept_inside(std::span<const Move> walk, const TileId& start, const HasTile& has);
 
-/// Loads what each move of a walk has to load, given the tiles that are shown before the first move and after
-/// each. One load per move.
-Result<std::vector<MoveLoad>> load_walk(std::span<const std::vector<TileId>> shown, const PackReader& pack,
-                                        TimedLoader& loader);
+/// Loads what each move of a walk has to load. One load a move.
+Result<std::vector<MoveLoad>> load_walk(const CountSpec& spec, std::span<const Move> walk,
+                                        const PackReader& pack, TimedLoader& loader);
 
 /// Loading 1…most blocks, [4, figure 8.2.1]: the shortest of five runs each, plainly and with the roughness
 /// calculation of Röttger et al. that the thesis compares with.

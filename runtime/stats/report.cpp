@@ -45,14 +45,11 @@ Json difference_json(const PatternReport& report) {
           {"histogram", bins}};
 }
 
-std::optional<ThesisCounts> thesis_of(const PatternReport& report, int levels) {
-  return report.pattern ? thesis_counts(*report.pattern, levels) : std::nullopt;
-}
-
 Json pattern_json(const PatternReport& report, int levels) {
-  Json json{{"name", report.name()}, {"total", total_json(report)}, {"difference", difference_json(report)}};
-  if (!report.pattern) json["error_px"] = report.error_px;
-  if (const auto thesis = thesis_of(report, levels)) {
+  Json json{{"name", to_string(report.pattern)},
+            {"total", total_json(report)},
+            {"difference", difference_json(report)}};
+  if (const auto thesis = thesis_counts(report.pattern, levels)) {
     json["thesis"] = {{"total_max", thesis->total}, {"difference_max", thesis->difference}};
   }
   if (report.loads.empty()) return json;
@@ -85,7 +82,7 @@ std::string to_csv(const StatsReport& report) {
   for (const PatternReport& pattern : report.patterns) {
     for (std::size_t i = 0; i < pattern.counts.size(); ++i) {
       const MoveCount& count = pattern.counts[i];
-      out << pattern.name() << "," << i + 1 << "," << count.total << "," << count.difference;
+      out << to_string(pattern.pattern) << "," << i + 1 << "," << count.total << "," << count.difference;
       if (!pattern.loads.empty()) out << "," << pattern.loads[i].latency_ms << "," << pattern.loads[i].bytes;
       out << "\n";
     }
@@ -102,12 +99,12 @@ std::string to_table(const StatsReport& report) {
   for (const PatternReport& pattern : report.patterns) {
     const Summary total = summarize_field(pattern.counts, &MoveCount::total);
     const Summary difference = summarize_field(pattern.counts, &MoveCount::difference);
-    const auto thesis = thesis_of(pattern, report.levels);
+    const auto thesis = thesis_counts(pattern.pattern, report.levels);
     const std::string theirs =
         thesis ? std::to_string(thesis->total) + ", " + std::to_string(thesis->difference) : "-";
     std::snprintf(line, sizeof line, "%-11s %5.0f %5.0f %7.2f   %5.0f %5.0f %7.2f   %s\n",
-                  std::string(pattern.name()).c_str(), total.min, total.max, total.mean, difference.max,
-                  difference.p95, difference.mean, theirs.c_str());
+                  std::string(to_string(pattern.pattern)).c_str(), total.min, total.max, total.mean,
+                  difference.max, difference.p95, difference.mean, theirs.c_str());
     out << line;
   }
   if (report.pack.empty()) return out.str();
@@ -118,13 +115,8 @@ std::string to_table(const StatsReport& report) {
     const Summary ms = summarize_field(pattern.loads, &MoveLoad::latency_ms);
     const Summary bytes = summarize_field(pattern.loads, &MoveLoad::bytes);
     std::snprintf(line, sizeof line, "%-11s %9.2f %9.2f %9.2f %9.2f   %.0f\n",
-                  std::string(pattern.name()).c_str(), ms.p50, ms.p95, ms.p99, ms.max, bytes.mean / 1024);
-    out << line;
-  }
-  for (const PatternReport& pattern : report.patterns) {
-    if (pattern.pattern) continue;
-    std::snprintf(line, sizeof line, "\nadaptive: the heights in view are off by %.2f pixels at most\n",
-                  pattern.error_px);
+                  std::string(to_string(pattern.pattern)).c_str(), ms.p50, ms.p95, ms.p99, ms.max,
+                  bytes.mean / 1024);
     out << line;
   }
   return out.str();

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "runtime/paging/frame_stats.h"
@@ -18,12 +16,9 @@ struct MoveLoad {
 
 /// The counts of one pattern, and the loads where there was a pack: then one a move.
 struct PatternReport {
-  std::optional<RefinementPattern> pattern;  ///< none: adaptive, tiles selected by their error
+  RefinementPattern pattern = RefinementPattern::restricted;
   std::vector<MoveCount> counts;
   std::vector<MoveLoad> loads;
-  double error_px = 0;  ///< adaptive: the largest screen error of the heights in any view
-
-  std::string_view name() const { return pattern ? to_string(*pattern) : "adaptive"; }
 };
 
 /// One run of cairn-stats.

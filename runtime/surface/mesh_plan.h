@@ -21,7 +21,6 @@ struct MeshArea {
   double distance_m = 0;                 ///< from the eye to the nearest point of the area, or less
   double detail = kMaxLevel;             ///< the surface is shown with: ShownSurface::of()
   bool moves = false;  ///< its detail changes from frame to frame: the grids keep half the tolerance
-  double tile_error_m = 0;  ///< how far finer heights may lie from the surface: the grids keep that much less
 };
 
 /// A regular grid of vertices over an area or over a part of it. Vertex (i, j) is i columns from the west and
@@ -66,7 +65,7 @@ struct MeshPlan {
 struct MeshRules {
   int tile_size = 513;
   double pixels_per_radian = 1000;  ///< picture height / (2 tan(fov / 2))
-  double tolerance_px = 1;          ///< screen error of mesh and tiles together
+  double tolerance_px = 1;          ///< screen error that the mesh may add to the tiles' own
   glm::dvec3 eye{};                 ///< geocentric, metres
   std::vector<glm::dvec3> inward;   ///< normals of planes through the eye; what is behind one is left out
 };

@@ -96,8 +96,7 @@ void for_each_part(const Patch& patch, const MeshRules& rules, Add add) {
     const Sphere sphere = sphere_around(child, relief_of(patch, child));
     if (!is_seen(sphere, rules)) continue;
     const double distance = std::max(0.0, glm::length(rules.eye - sphere.centre) - sphere.radius);
-    add(Patch{child, patch.from, patch.surface, std::max(distance, patch.distance_m), patch.moves,
-              patch.tile_error_m});
+    add(Patch{child, patch.from, patch.surface, std::max(distance, patch.distance_m), patch.moves});
   }
 }
 
@@ -141,8 +140,7 @@ Side SharedSegment::coarser_side() const {
 int cells_log2_for_eye(const Patch& patch, const MeshRules& rules) {
   const int finest = cells_log2_of(rules.tile_size);
   const double tolerance_px = patch.moves ? rules.tolerance_px / 2 : rules.tolerance_px;
-  const double all_m = tolerance_px * patch.distance_m / rules.pixels_per_radian;
-  const double allowed_m = std::max({all_m - patch.tile_error_m, all_m / 4, kNegligible_m});
+  const double allowed_m = std::max(tolerance_px * patch.distance_m / rules.pixels_per_radian, kNegligible_m);
   const Relief* relief = relief_of(patch, patch.area);
   double deviation = chord_deviation_m(patch.area);
   for (int cells_log2 = 0; cells_log2 < finest; ++cells_log2, deviation /= 4) {
@@ -160,9 +158,8 @@ std::vector<Patch> partition_areas(std::span<const MeshArea> areas, const MeshRu
   patches.reserve(areas.size());
   for (std::size_t i = 0; i < areas.size(); ++i) {
     const MeshArea& area = areas[i];
-    add_split({area.area, i, ShownSurface::of(area.surface, area.detail), area.distance_m, area.moves,
-               area.tile_error_m},
-              rules, patches);
+    add_split({area.area, i, ShownSurface::of(area.surface, area.detail), area.distance_m, area.moves}, rules,
+              patches);
   }
   for (;;) {
     const std::vector<bool> split = too_coarse(patches);

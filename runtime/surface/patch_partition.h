@@ -29,7 +29,6 @@ struct Patch {
   ShownSurface surface;
   double distance_m = 0;  ///< from the eye to the nearest point, or less
   bool moves = false;
-  double tile_error_m = 0;
 };
 
 /// The areas, split until a grid of a block's size keeps the tolerance, and until neighbours differ by
@@ -41,7 +40,7 @@ std::vector<SharedSegment> shared_segments(std::span<const Patch> patches);
 
 /// log2 of the cells along a side that keep the tolerance: of the decimated heights' deviation plus that of
 /// the chords from the ellipsoid, R(δφ²+δλ²cos²φ)/8, the error of linear interpolation. Half the tolerance
-/// where the patch moves; less the tile's own error, but a quarter at least.
+/// where the patch moves.
 int cells_log2_for_eye(const Patch& patch, const MeshRules& rules);
 
 }  // namespace cairn::gl

@@ -54,7 +54,6 @@ Result<Scene> Scene::open(const Options& options) {
   if (!renderer) return renderer.error();
   TerrainOptions terrain_options;
   terrain_options.cache_bytes = options.cache_mib << 20;
-  terrain_options.tolerance_px = options.tolerance_px;
   Result<Terrain> terrain =
       Terrain::open(pack, terrain_options, uploads->preparing(read_from(pack), header.quantum_m));
   if (!terrain) return terrain.error();

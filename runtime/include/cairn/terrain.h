@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 
 #include "cairn/pack_reader.h"
 #include "cairn/paging_stats.h"
@@ -21,9 +20,6 @@ struct TerrainOptions {
   std::uint64_t cache_bytes = 512u << 20;   ///< a hard limit on what tiles take in memory, loading included
   std::uint64_t delivery_bytes = 8u << 20;  ///< of new tiles a frame, at least one tile
   int workers = 2;                          ///< threads that read and decode; 1…64
-  double tolerance_px = 1;  ///< the screen error that a program allows: tiles take half of it at most, and
-                            ///< leave the rest to its mesh; infinite for none
-  double texel_px = 1;      ///< the width that texels may have on the screen where the pack has finer ones
   RefinementPattern pattern =
       RefinementPattern::restricted;  ///< not nine or window, which leave most of the Earth bare
   double tile_margin = 0.125;         ///< hysteresis in tiles, below 1; 0 for none
@@ -35,14 +31,10 @@ struct TerrainOptions {
 ///
 /// update() never waits for a disk. Whatever is asked for and however slow or broken the disk is, what it
 /// returns covers the Earth without overlaps, with data that is in memory, and after the first tile has come
-/// no place that the pack covers is ever without data again.
+/// no place that the pack covers is ever without data again. If the eye rests, the result becomes the scene
+/// map of the eye, the same whatever happened before, except for tiles that could not be read.
 ///
-/// If the eye rests, the result becomes the coarsest tiles that are good enough for the view, whatever
-/// happened before, hysteresis and tiles that cannot be read aside: nothing in the viewport is farther from
-/// the pack's finest heights than half of tolerance_px, and no texel is wider than texel_px where the pack
-/// has finer ones. Around the eye, in the ring that `pattern` names, tiles outside the view are held ready at
-/// four times these limits. Where the byte budget does not allow that, the worst place is made as good as it
-/// can be; RenderList says how good.
+/// Where the scene map does not fit the byte budget, a map of a coarser finest level is drawn.
 ///
 /// Threads: a Terrain belongs to one thread, usually the one that renders. docs/runtime-threads.md has the
 /// rules.
@@ -67,10 +59,6 @@ class Terrain {
   /// Call once a frame; `dt_s` is the time since the last call, in seconds. The list holds until the next
   /// call. A view or a time that is out of range is an error in the list, and what was drawn stays.
   const RenderList& update(const ViewState& view, double dt_s);
-
-  /// Updates for several views of the terrain at once, 1 to 64: the list is good enough for all of them.
-  /// A view keeps its place in the span from call to call.
-  const RenderList& update(std::span<const ViewState> views, double dt_s);
 
   /// The height, in the pack's vertical datum, of the ground as it is drawn now; nullopt where nothing is
   /// drawn or where it is void.

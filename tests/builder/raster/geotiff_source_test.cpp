@@ -218,7 +218,7 @@ TEST_CASE("Scale, offset and feet become metres") {
   recipe.gdal_metadata =
       "<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">fathom</Item></GDALMetadata>";
   write_tiff(path, recipe);
-  CHECK(contains(opening_complaint(path), "fathom"));
+  CHECK(contains(complaint_of(path), "fathom"));
 }
 
 TEST_CASE("UTM north and south, spelt by code or by parameters, and Web Mercator are known") {
