@@ -70,15 +70,17 @@ float tile_height() {
 
 const vec3 kNoData = vec3(0.09, 0.10, 0.11);
 
-// A tile that overhangs the world has void texels there. The filter must not reach them: the place stays half a texel of
-// the coarser of the two mips inside the world.
+// A tile that overhangs the world in the east has void texels there. The filter must not reach them: the place stays half a
+// texel of the coarser of the two mips west of 180°.
 vec2 imagery_place(vec2 along_x, vec2 along_y) {
   vec2 place = imagery_window.xy + within_patch() * imagery_window.z;
   float texels = exp2(float(tile_cells_log2));
   float footprint = max(length(along_x), length(along_y)) * texels;
   float width = exp2(clamp(ceil(log2(max(footprint, 1.0))), 0.0, float(tile_cells_log2)));
-  vec2 last = (max(floor(extents.zw / width), vec2(1)) - 0.5) * width / texels;
-  return mix(place, min(place, last), lessThan(extents.zw, vec2(texels)));
+  // Not at the pole: there the mip follows the narrow meridians, and half its texel is far along them.
+  float last = (max(floor(extents.z / width), 1.0) - 0.5) * width / texels;
+  if (extents.z < texels) place.x = min(place.x, last);
+  return place;
 }
 
 vec3 surface_colour() {
