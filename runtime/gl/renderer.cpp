@@ -13,7 +13,7 @@
 #include "runtime/gl/patch_records.h"
 #include "runtime/gl/resident_tiles.h"
 #include "runtime/gl/shader_program.h"
-#include "runtime/gl/thread_clock.h"
+#include "runtime/view/cpu_clock.h"
 #include "runtime/gl/wall_batch.h"
 #include "runtime/surface/drawn_ground.h"
 #include "runtime/surface/lod_transition.h"
@@ -197,7 +197,7 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
   State& s = *state_;
   FrameCounts counts;
   // 1. What is seen, uploaded where it was not.
-  const double begin = thread_cpu_ms();
+  const double begin_s = thread_cpu_s();
   const CameraFrame camera = camera_frame(view);
   FrameScale scale{camera.position, 1 / pixel_footprint_m(view, 1), look.tolerance_px};
   if (look.frame_s > 0) scale.longest_fade = std::max(1.0, kLongestFade_s / look.frame_s);
@@ -206,7 +206,7 @@ FrameCounts Renderer::draw(const RenderList& list, const ViewState& view, const 
   if (look.method) s.shown.cut();
   const std::vector<const ShownTile*> seen = s.load_visible(list, scale);
   counts.uploads = s.tiles.uploads();
-  counts.upload_ms = thread_cpu_ms() - begin;
+  counts.upload_ms = 1e3 * (thread_cpu_s() - begin_s);
   // 2. The grids, or a method's mesh, and what they show.
   LodMesh mesh;
   MethodScene scene;

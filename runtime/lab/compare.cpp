@@ -7,7 +7,7 @@
 
 #include "runtime/lab/greedy_tin.h"
 #include "runtime/lab/scene_use.h"
-#include "runtime/lod/mesh/cpu_clock.h"
+#include "runtime/view/cpu_clock.h"
 
 namespace cairn {
 namespace {
@@ -71,18 +71,18 @@ class Race {
       ViewState view = path_.views[frame];
       view.viewport_width_px = spec_.width_px;
       view.viewport_height_px = spec_.height_px;
-      auto picture = FinestPicture::of(terrain_, view, spec_.threads);
-      if (!picture) return picture.error();
+      auto finest = FinestView::of(terrain_, view, spec_.threads);
+      if (!finest) return finest.error();
       for (const double tolerance_px : spec_.tolerances_px) {
-        if (const Status status = fly_tolerance(frame, view, *picture, tolerance_px); !status) return status;
+        if (const Status status = fly_tolerance(frame, view, *finest, tolerance_px); !status) return status;
       }
-      picture_before_.emplace(std::move(*picture));
+      finest_before_.emplace(std::move(*finest));
     }
     return {};
   }
 
  private:
-  Status fly_tolerance(std::size_t frame, const ViewState& view, const FinestPicture& picture,
+  Status fly_tolerance(std::size_t frame, const ViewState& view, const FinestView& finest,
                        double tolerance_px) {
     SceneRules rules = spec_.tiles;
     rules.refine_px *= tolerance_px;
@@ -94,7 +94,7 @@ class Race {
       if (flyer.tolerance_px != tolerance_px || (is_full(flyer) && frame > 0)) continue;
       FrameRecord record = new_record(frame, view);
       count_use(use, before, record);
-      fly_one(*scene, view, picture, flyer, record);
+      fly_one(*scene, view, finest, flyer, record);
       take_(record);
     }
     before = use.sources;
@@ -124,7 +124,7 @@ class Race {
     return {};
   }
 
-  void fly_one(const LodScene& scene, const ViewState& view, const FinestPicture& picture, Flyer& flyer,
+  void fly_one(const LodScene& scene, const ViewState& view, const FinestView& finest, Flyer& flyer,
                FrameRecord& record) {
     record.method = flyer.contender->label;
     record.tolerance_px = flyer.tolerance_px;
@@ -137,10 +137,10 @@ class Race {
     PlacedMesh now = place(scene, std::move(mesh), spec_.threads);
     record.joins = flyer.before.has_value();
     if (record.joins) {
-      const FinestPicture::Before before{*flyer.before, *picture_before_};
-      record.error = picture.measure(now, &before);
+      const FinestView::Before before{*flyer.before, *finest_before_};
+      record.error = finest.measure(now, &before);
     } else {
-      record.error = picture.measure(now, nullptr);
+      record.error = finest.measure(now, nullptr);
     }
     constexpr double kMeasureError_px = 1e-3;
     record.keeps_tolerance =
@@ -162,7 +162,7 @@ class Race {
   const CompareSpec& spec_;
   const TakeRecord& take_;
   std::vector<Flyer> flyers_;
-  std::optional<FinestPicture> picture_before_;
+  std::optional<FinestView> finest_before_;
   std::map<double, std::vector<TileId>> sources_before_;
 };
 

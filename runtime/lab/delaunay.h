@@ -14,11 +14,11 @@ struct GridPlace {
   friend bool operator==(const GridPlace&, const GridPlace&) = default;
 };
 
-/// > 0 where the three turn left, 0 where they lie on a line: twice the area of their triangle.
+/// Returns twice the area of the triangle: positive where the three turn left, 0 where they lie on a line.
 std::int64_t doubled_area(const GridPlace& a, const GridPlace& b, const GridPlace& c);
 
-/// A Delaunay triangulation that grows by one place at a time: the triangle around it is split, then edges
-/// are flipped until every circumcircle is empty (Guibas & Stolfi 1985; Lawson 1977).
+/// A Delaunay triangulation that grows by one place at a time (Guibas & Stolfi 1985; Lawson 1977).
+/// The triangle around a new place is split, then edges are flipped until every circumcircle is empty.
 class Delaunay {
  public:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -33,7 +33,7 @@ class Delaunay {
 
   const std::vector<GridPlace>& places() const { return places_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }
-  /// Whether the place is in the triangle or on its edge.
+  /// Returns whether the place is in the triangle or on its edge.
   bool covers(std::size_t triangle, const GridPlace& place) const;
 
   /// Adds a place; returns the triangles that are new or have changed, ascending, each once. Those that were

@@ -24,16 +24,16 @@ constexpr double kNearest_m = 1;
 
 struct Sample {
   GridPlace place;
-  float u = 0;  ///< on the picture, pixels from its middle
+  float u = 0;  ///< pixels from the middle of the viewport
   float v = 0;
   glm::dvec3 at{0};  ///< right, up, and along the view
   float height_m = 0;
 };
 
-/// The finest samples in a picture, on one grid of the finest spacing among them.
-class PictureSamples {
+/// The finest samples in the viewport, on one grid of the finest spacing among them.
+class ViewSamples {
  public:
-  PictureSamples(LabTerrain& terrain, const ViewState& view)
+  ViewSamples(LabTerrain& terrain, const ViewState& view)
       : terrain_(terrain),
         view_(view),
         screen_(view),
@@ -120,10 +120,10 @@ class PictureSamples {
 
 class Insertion {
  public:
-  Insertion(PictureSamples& picture, double focal_px)
-      : samples_(std::move(picture.samples())), focal_px_(focal_px), net_(south_west(), north_east()) {
+  Insertion(ViewSamples& visible, double focal_px)
+      : samples_(std::move(visible.samples())), focal_px_(focal_px), net_(south_west(), north_east()) {
     for (const GridPlace& corner : net_.places())
-      vertices_.push_back(picture.position_of(corner, static_cast<double>(nearest(corner).height_m)));
+      vertices_.push_back(visible.position_of(corner, static_cast<double>(nearest(corner).height_m)));
     buckets_.resize(2);
     for (std::size_t i = 0; i < samples_.size(); ++i)
       buckets_[net_.covers(0, samples_[i].place) ? 0 : 1].push_back(static_cast<std::uint32_t>(i));
@@ -259,11 +259,11 @@ class Insertion {
 
 Result<GreedyTin> greedy_tin(LabTerrain& terrain, const ViewState& view, double tolerance_px,
                              std::size_t most_vertices) {
-  PictureSamples picture(terrain, view);
-  if (auto status = picture.collect(); !status) return status.error();
-  if (picture.samples().empty()) return GreedyTin{};
-  return Insertion(picture, Screen(view).pixels_per_radian())
-      .run(tolerance_px, most_vertices, [&](const GridPlace& place) { return picture.point_of(place); });
+  ViewSamples visible(terrain, view);
+  if (auto status = visible.collect(); !status) return status.error();
+  if (visible.samples().empty()) return GreedyTin{};
+  return Insertion(visible, Screen(view).pixels_per_radian())
+      .run(tolerance_px, most_vertices, [&](const GridPlace& place) { return visible.point_of(place); });
 }
 
 }  // namespace cairn

@@ -14,7 +14,7 @@
 
 namespace cairn {
 
-/// A triangulated irregular network of one picture.
+/// A triangulated irregular network for one view.
 struct GreedyTin {
   /// The first four are corners around all samples, at the height of the sample nearest to each.
   struct Vertex {
@@ -24,21 +24,20 @@ struct GreedyTin {
   std::vector<Vertex> net;
   std::vector<LodTriangle> faces;  ///< all, also those without a sample
 
-  std::uint64_t triangles = 0;  ///< with a sample of the picture inside or at a corner
+  std::uint64_t triangles = 0;  ///< with a sample of the viewport inside or at a corner
   std::uint64_t vertices = 0;
-  std::uint64_t samples = 0;  ///< in the picture
+  std::uint64_t samples = 0;  ///< in the viewport
   double max_px = 0;          ///< the largest screen error that is left
 };
 
-/// What a picture needs at least, about: greedy insertion (Garland & Heckbert 1995, "Fast polygonal
-/// approximation of terrains and height fields", algorithm III) over all finest samples in the picture, the
-/// sample with the largest screen error first, until none is above the tolerance. Screen error is
-/// FinestPicture's: between a sample and the plane of its triangle at the same longitude and latitude, in
-/// geocentric coordinates; the samples are its own, none that the horizon hides. Not a true lower bound, but
-/// free of all that a method has to keep: levels, tiles, borders, time. Triangles are Delaunay in longitude
-/// and latitude.
+/// Returns about the fewest triangles that keep a tolerance in one view: greedy insertion (Garland & Heckbert
+/// 1995, algorithm III) over all finest samples in the viewport, the one with the largest screen error first,
+/// until none is above the tolerance. Screen error and samples are those of FinestView.
 ///
-/// Takes seconds and 100 bytes a sample in the picture. Ends early at `most_vertices`; max_px tells.
+/// It is no true lower bound, but free of all that a method has to keep: levels, tiles, borders, time.
+/// Triangles are Delaunay in longitude and latitude.
+///
+/// Takes seconds, and 100 bytes per sample in the viewport. Ends early at `most_vertices`; max_px tells.
 Result<GreedyTin> greedy_tin(LabTerrain& terrain, const ViewState& view, double tolerance_px,
                              std::size_t most_vertices = 2'000'000);
 

@@ -16,11 +16,11 @@
 
 namespace cairn {
 
-/// Which tiles a scene has.
+/// The rules by which a scene's tiles are chosen.
 struct SceneRules {
   RefinementPattern pattern = RefinementPattern::restricted;
-  /// An area in the picture whose source's geometric error may project above this is split, as far as the
-  /// pack has finer tiles: no method can keep a tolerance that its tiles do not. 0: the scene map alone.
+  /// A visible area whose source's geometric error may project above this is split, as far as the pack has
+  /// finer tiles, because no method can keep a tolerance that its tiles do not. 0 for the scene map alone.
   double refine_px = 0;
 };
 
@@ -40,12 +40,12 @@ class LabTerrain {
   double lowest_m() const { return contents_.lowest_m(); }
   const std::vector<FinestArea>& finest() const { return finest_; }
 
-  /// The eye's tile is held over a flight's views as Terrain does; forget_eye() begins anew.
+  /// The camera's tile is kept over a flight's views with Terrain's hysteresis; forget_eye() begins anew.
   Result<LodScene> scene_for(const ViewState& view, const SceneRules& rules);
   void forget_eye() { eye_ = FocusTile(kTileMargin, kLevelMargin); }
 
   Result<std::shared_ptr<const HeightTile>> heights(const IndexEntry& entry);
-  /// Of the finest surface, in metres; nullopt where the pack has none or it is void.
+  /// Returns the height of the finest surface, in metres; nullopt where the pack has none or it is void.
   Result<std::optional<double>> ground_m(LonLat place);
 
  private:

@@ -44,7 +44,7 @@ struct Options {
 
 void declare_common(CLI::App& app, Options& o) {
   app.add_option("pack", o.pack, "the pack")->required();
-  app.add_option("--size", o.size, "of the picture, in pixels: WxH");
+  app.add_option("--size", o.size, "of the viewport, in pixels: WxH");
   app.add_option(
          "--tiles", o.tiles,
          "map: the scene map as it is; error: refined where a tile's own error projects above half of "
@@ -65,8 +65,9 @@ void declare_compare(CLI::App& app, Options& o) {
   app.add_option("--frames", o.frames, "of a flight")->check(CLI::Range(2, 100000));
   app.add_option("--threads", o.threads, "of the measure; 0 for all")->check(CLI::Range(0, 1024));
   app.add_option("--out", o.out, "folder for the CSV, the JSON and the page")->required();
-  app.add_flag("--bound", o.bound,
-               "also the triangles of a greedy TIN of each picture, about the fewest; takes seconds a frame");
+  app.add_flag(
+      "--bound", o.bound,
+      "also the triangles of a greedy TIN for each frame, about the fewest; takes seconds per frame");
   app.add_flag("--no-charts", o.no_charts, "no page: the charts need python3-matplotlib");
 }
 
@@ -77,7 +78,7 @@ void declare_mesh(CLI::App& app, Options& o) {
   app.add_option("--method", o.method, "how the mesh is made");
   app.add_option("--tolerance", o.tolerance_px, "pixels")->check(CLI::Range(1e-6, 1e6));
   app.add_option("-o,--output", o.mesh, "OUT.obj or OUT.ply")->required();
-  app.add_flag("--cull", o.cull, "only what may be in the picture");
+  app.add_flag("--cull", o.cull, "only what may be visible");
   app.add_flag("--ecef", o.ecef, "vertices in geocentric metres");
 }
 

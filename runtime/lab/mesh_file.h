@@ -7,9 +7,9 @@
 
 namespace cairn {
 
-/// Writes a mesh as .obj or .ply (ASCII), vertices that are the same once. Each vertex is longitude, latitude
-/// in degrees and height in metres, or with `ecef` geocentric metres, in the digits that read back as the
-/// same double. Longitudes of the antimeridian are -180. usage where the ending is neither.
+/// Writes a mesh as .obj or .ply (ASCII), equal vertices once. Each vertex is longitude and latitude in
+/// degrees and height in metres, or with `ecef` geocentric metres, with enough digits to read back the same
+/// double. Longitudes of the antimeridian are -180. The error is usage if the file's ending is neither.
 Status write_mesh(const LodMesh& mesh, const std::filesystem::path& path, bool ecef);
 
 }  // namespace cairn

@@ -8,7 +8,7 @@
 
 namespace cairn {
 
-/// What a scene costs to have, and how much of it the picture needs.
+/// The cost of a scene, and how much of it the view needs.
 struct SceneUse {
   std::vector<TileId> sources;  ///< ascending, each once
   std::uint64_t triangles = 0;  ///< of every sample of every area
@@ -18,8 +18,8 @@ struct SceneUse {
   std::uint64_t useful_loaded_bytes = 0;
 };
 
-/// A source is of use where a part of it is in the picture and its parent's geometric error there projects
-/// above a quarter pixel, or it has no parent.
+/// A source is of use if a part of it is visible where its parent's geometric error projects above a quarter
+/// of a pixel, or if it has no parent.
 SceneUse use_of(const LabTerrain& terrain, const LodScene& scene, const ViewState& view);
 
 }  // namespace cairn

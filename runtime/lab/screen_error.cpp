@@ -21,7 +21,7 @@ bool contains(const TileId& outer, const TileId& inner) {
   return outer.level <= inner.level && ancestor_of(inner, outer.level) == outer;
 }
 
-using GridVertex = FinestPicture::GridVertex;
+using GridVertex = FinestView::GridVertex;
 
 /// What is linear over a triangle, along the grid.
 struct Plane {
@@ -81,12 +81,12 @@ PlacedMesh place(const LodScene& scene, LodMesh mesh, int threads) {
 }
 
 /// A mesh's vertices in the camera.
-struct FinestPicture::Projected {
+struct FinestView::Projected {
   const PlacedMesh* mesh = nullptr;
   std::vector<std::vector<glm::dvec3>> vertices;
 };
 
-struct FinestPicture::Tally {
+struct FinestView::Tally {
   ScreenError error;
   double sum_of_squares = 0;
 
@@ -100,35 +100,35 @@ struct FinestPicture::Tally {
   }
 };
 
-Result<FinestPicture> FinestPicture::of(LabTerrain& terrain, const ViewState& view, int threads) {
-  FinestPicture picture(view, threads);
+Result<FinestView> FinestView::of(LabTerrain& terrain, const ViewState& view, int threads) {
+  FinestView finest(view, threads);
   const Occluder occluder(terrain.lowest_m());
   const ViewFrustum volume(view, occluder);
   std::vector<std::shared_ptr<const HeightTile>> heights;
   std::vector<TileId> sources;
-  for (const FinestArea& finest : terrain.finest()) {
-    if (!volume.sees(finest.volume)) continue;
-    const auto tile = terrain.heights(finest.source);
+  for (const FinestArea& area : terrain.finest()) {
+    if (!volume.sees(area.volume)) continue;
+    const auto tile = terrain.heights(area.source);
     if (!tile) return tile.error();
     heights.push_back(*tile);
-    sources.push_back(finest.source.id);
-    picture.leaves_.push_back({south_west_of(finest.area), finest.area, 0, 0, {}, {}});
+    sources.push_back(area.source.id);
+    finest.leaves_.push_back({south_west_of(area.area), area.area, 0, 0, {}, {}});
   }
-  std::vector<char> seen(picture.leaves_.size());
-  for_each_index(picture.leaves_.size(), threads, [&](std::size_t i) {
-    seen[i] = picture.fill(picture.leaves_[i], *heights[i], sources[i], terrain.pack().header().quantum_m,
-                           occluder);
+  std::vector<char> seen(finest.leaves_.size());
+  for_each_index(finest.leaves_.size(), threads, [&](std::size_t i) {
+    seen[i] =
+        finest.fill(finest.leaves_[i], *heights[i], sources[i], terrain.pack().header().quantum_m, occluder);
   });
   std::vector<Leaf> kept;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (seen[i] != 0) kept.push_back(std::move(picture.leaves_[i]));
+    if (seen[i] != 0) kept.push_back(std::move(finest.leaves_[i]));
   }
-  picture.leaves_ = std::move(kept);
-  return picture;
+  finest.leaves_ = std::move(kept);
+  return finest;
 }
 
-bool FinestPicture::fill(Leaf& leaf, const HeightTile& heights, const TileId& source, double quantum_m,
-                         const Occluder& occluder) const {
+bool FinestView::fill(Leaf& leaf, const HeightTile& heights, const TileId& source, double quantum_m,
+                      const Occluder& occluder) const {
   leaf.spacing = lattice_width(source.level) / (heights.size - 1);
   const int cells = (heights.size - 1) >> (leaf.area.level - source.level);
   leaf.side = cells + 1;
@@ -161,7 +161,7 @@ bool FinestPicture::fill(Leaf& leaf, const HeightTile& heights, const TileId& so
   return any;
 }
 
-FinestPicture::Projected FinestPicture::project(const PlacedMesh& mesh) const {
+FinestView::Projected FinestView::project(const PlacedMesh& mesh) const {
   Projected projected{&mesh, std::vector<std::vector<glm::dvec3>>(mesh.positions.size())};
   for_each_index(mesh.positions.size(), threads_, [&](std::size_t i) {
     projected.vertices[i].reserve(mesh.positions[i].size());
@@ -172,7 +172,7 @@ FinestPicture::Projected FinestPicture::project(const PlacedMesh& mesh) const {
   return projected;
 }
 
-void FinestPicture::draw(const Projected& mesh, const Leaf& leaf, std::vector<Pixel>& out) const {
+void FinestView::draw(const Projected& mesh, const Leaf& leaf, std::vector<Pixel>& out) const {
   out.assign(leaf.samples.size(), {kNowhere, kNowhere});
   const double scale = 1 / static_cast<double>(leaf.spacing);
   for (std::size_t i = 0; i < mesh.mesh->areas.size(); ++i) {
@@ -192,7 +192,7 @@ void FinestPicture::draw(const Projected& mesh, const Leaf& leaf, std::vector<Pi
 }
 
 /// At every sample of the grid that the triangle covers, its edges included.
-void FinestPicture::draw_triangle(const GridVertex (&v)[3], const Leaf& leaf, std::vector<Pixel>& out) const {
+void FinestView::draw_triangle(const GridVertex (&v)[3], const Leaf& leaf, std::vector<Pixel>& out) const {
   const int last = leaf.side - 1;
   Span columns, rows;
   for (const GridVertex& vertex : v) columns.add(vertex.column), rows.add(vertex.row);
@@ -218,12 +218,12 @@ void FinestPicture::draw_triangle(const GridVertex (&v)[3], const Leaf& leaf, st
   }
 }
 
-double FinestPicture::squared_px(const Pixel& a, const Pixel& b) {
+double FinestView::squared_px(const Pixel& a, const Pixel& b) {
   const double du = static_cast<double>(a.u - b.u), dv = static_cast<double>(a.v - b.v);
   return du * du + dv * dv;
 }
 
-void FinestPicture::compare(const Leaf& leaf, const std::vector<Pixel>& now, Tally& tally) const {
+void FinestView::compare(const Leaf& leaf, const std::vector<Pixel>& now, Tally& tally) const {
   double worst = -1;
   std::size_t worst_index = 0;
   for (int r = 0; r < leaf.side; ++r) {
@@ -252,8 +252,8 @@ void FinestPicture::compare(const Leaf& leaf, const std::vector<Pixel>& now, Tal
                        leaf.corner.y + static_cast<std::int64_t>(worst_index / side) * leaf.spacing};
 }
 
-void FinestPicture::compare_before(const Leaf& leaf, const std::vector<Pixel>& now, const Leaf& leaf_before,
-                                   const std::vector<Pixel>& before, Tally& tally) const {
+void FinestView::compare_before(const Leaf& leaf, const std::vector<Pixel>& now, const Leaf& leaf_before,
+                                const std::vector<Pixel>& before, Tally& tally) const {
   double pop = 0;
   for (int r = 0; r < leaf.side; ++r) {
     const std::size_t row = static_cast<std::size_t>(r) * static_cast<std::size_t>(leaf.side);
@@ -268,13 +268,13 @@ void FinestPicture::compare_before(const Leaf& leaf, const std::vector<Pixel>& n
   tally.error.max_pop_px = std::sqrt(pop);
 }
 
-const FinestPicture::Leaf* FinestPicture::leaf_of(const TileId& area) const {
+const FinestView::Leaf* FinestView::leaf_of(const TileId& area) const {
   const auto it =
       std::find_if(leaves_.begin(), leaves_.end(), [&](const Leaf& leaf) { return leaf.area == area; });
   return it == leaves_.end() ? nullptr : &*it;
 }
 
-std::uint64_t FinestPicture::count_useful(const Projected& mesh) const {
+std::uint64_t FinestView::count_useful(const Projected& mesh) const {
   const double half_width = view_.viewport_width_px / 2.0, half_height = view_.viewport_height_px / 2.0;
   std::uint64_t useful = 0;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -292,14 +292,14 @@ std::uint64_t FinestPicture::count_useful(const Projected& mesh) const {
       const double area = std::abs((u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0])) / 2;
       const bool inside =
           us.low <= half_width && us.high >= -half_width && vs.low <= half_height && vs.high >= -half_height;
-      // What reaches behind the eye is large where it is in the picture at all.
+      // A triangle that reaches behind the camera is large wherever it is in the viewport.
       useful += in_front ? inside && area >= 0.25 : !behind;
     }
   }
   return useful;
 }
 
-ScreenError FinestPicture::measure(const PlacedMesh& mesh, const Before* before) const {
+ScreenError FinestView::measure(const PlacedMesh& mesh, const Before* before) const {
   const Projected now = project(mesh);
   const Projected then = before ? project(before->mesh) : Projected{};
   std::vector<Tally> tallies(leaves_.size());
@@ -308,7 +308,7 @@ ScreenError FinestPicture::measure(const PlacedMesh& mesh, const Before* before)
     const Leaf& leaf = leaves_[i];
     draw(now, leaf, drawn);
     compare(leaf, drawn, tallies[i]);
-    const Leaf* leaf_before = before ? before->picture.leaf_of(leaf.area) : nullptr;
+    const Leaf* leaf_before = before ? before->finest.leaf_of(leaf.area) : nullptr;
     if (!leaf_before) return;
     draw(then, leaf, drawn_before);
     compare_before(leaf, drawn, *leaf_before, drawn_before, tallies[i]);

@@ -14,7 +14,7 @@
 
 namespace cairn {
 
-/// A mesh with its vertices' places, so that it can be projected again from the next frame's camera.
+/// A mesh with its vertices' positions, to be projected again from the next frame's camera.
 struct PlacedMesh {
   std::vector<TileId> areas;                       ///< of each tile's mesh
   std::vector<std::vector<glm::dvec3>> positions;  ///< geocentric metres
@@ -22,34 +22,34 @@ struct PlacedMesh {
 };
 PlacedMesh place(const LodScene& scene, LodMesh mesh, int threads);
 
-/// What the measure finds in one picture, in pixels.
+/// The measure's result for one view, in pixels.
 struct ScreenError {
   double max_px = 0;
   double rms_px = 0;
-  std::uint64_t samples = 0;  ///< finest samples in the picture
-  std::uint64_t holes = 0;    ///< of these, where the mesh has nothing, or nothing in front of the eye
-  double max_pop_px = 0;      ///< how far the mesh's point at a sample is from where the mesh before had it,
-                              ///< both as seen now, where it was seen before: what moves without the camera
-  LatticePoint worst;         ///< the sample of max_px
-  std::uint64_t useful_triangles = 0;  ///< that touch the picture with a quarter of a square pixel or more
+  std::uint64_t samples = 0;  ///< finest samples in the viewport
+  std::uint64_t holes = 0;    ///< of these, where the mesh has nothing in front of the camera
+  double max_pop_px = 0;  ///< largest distance of the mesh's point at a sample from where the mesh before had
+                          ///< it, both projected now, over samples that were in both viewports
+  LatticePoint worst;     ///< the sample of max_px
+  std::uint64_t useful_triangles = 0;  ///< that cover a quarter of a square pixel of the viewport or more
 };
 
-/// The finest surface as one camera sees it: every sample that is not void, in the picture and above the
-/// horizon, where it is on the picture. Terrain in front hides nothing.
+/// The finest surface as one camera sees it: the projections of all samples that are not void, in the
+/// viewport and above the horizon. Terrain in front hides nothing.
 ///
-/// The measure is the distance on the picture between a sample and the mesh's point at the same longitude and
-/// latitude, on the plane of the triangle there (design §1). Kept in single precision from the picture's
-/// middle: good to 1e-4 px. Samples less than a metre in front of the eye do not count.
-class FinestPicture {
+/// Measures the distance in pixels between a sample and the mesh's point at its longitude and latitude, on
+/// the plane of the triangle there. Projections are kept in single precision relative to the middle of the
+/// viewport, which is good to 1e-4 px. Samples less than a metre in front of the camera do not count.
+class FinestView {
  public:
-  static Result<FinestPicture> of(LabTerrain& terrain, const ViewState& view, int threads);
+  static Result<FinestView> of(LabTerrain& terrain, const ViewState& view, int threads);
 
-  /// What was drawn before, and the picture that it was drawn for.
+  /// The frame before: its mesh, and the view that it was drawn for.
   struct Before {
     const PlacedMesh& mesh;
-    const FinestPicture& picture;
+    const FinestView& finest;
   };
-  /// Against a mesh, and popping against the one before if there is one.
+  /// Measures a mesh, and its popping against the frame before if there is one.
   ScreenError measure(const PlacedMesh& mesh, const Before* before) const;
 
   /// A mesh's vertex on a tile's grid of samples, and its place in the camera: right, up, along the view.
@@ -69,13 +69,13 @@ class FinestPicture {
     TileId area;
     std::int64_t spacing = 0;
     int side = 0;                          ///< samples along a side
-    std::vector<Pixel> samples;            ///< NaN: not in the picture
+    std::vector<Pixel> samples;            ///< NaN outside the viewport
     std::vector<std::array<int, 2>> seen;  ///< of each row, the first that is and one past the last
   };
   struct Projected;
   struct Tally;
 
-  FinestPicture(const ViewState& view, int threads) : view_(view), screen_(view), threads_(threads) {}
+  FinestView(const ViewState& view, int threads) : view_(view), screen_(view), threads_(threads) {}
   bool fill(Leaf& leaf, const HeightTile& heights, const TileId& source, double quantum_m,
             const Occluder& occluder) const;
   Projected project(const PlacedMesh& mesh) const;

@@ -8,7 +8,7 @@
 
 namespace cairn {
 
-/// Of a vertex by its place and its height's bits. REQUIRES: a canonical point.
+/// Hashes a vertex by its place and the bits of its height. REQUIRES: a canonical point.
 struct LodVertexHash {
   std::size_t operator()(const LodVertex& v) const noexcept {
     return std::hash<LatticePoint>{}(v.point) ^
@@ -16,7 +16,7 @@ struct LodVertexHash {
   }
 };
 
-/// What is wrong with a mesh as a surface.
+/// The faults of a mesh as a surface.
 struct MeshFaults {
   std::uint64_t cracks = 0;  ///< edges inside the map without exactly one triangle on each side; two edges
                              ///< are the same where their ends agree in place and height

@@ -12,7 +12,6 @@
 #include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/patches.h"
 #include "runtime/lod/mesh/screen.h"
-#include "runtime/lod/mesh/tile_culling.h"
 
 namespace cairn {
 namespace {
@@ -26,25 +25,14 @@ class Block : public LodMethod {
   std::uint64_t prepared_bytes() const override { return blocks_.bytes(); }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
-    return mesh_of_patches(scene, [&] { return choose(scene, view); });
+    const Screen screen(view.view);
+    return mesh_of_patches(scene, view, blocks_, [&](const LodTile&, const Patch& block) {
+      const double distance_m = block.volume.distance_m(screen.camera().position);
+      return step_within(block, view.tolerance_px * distance_m / screen.pixels_per_radian());
+    });
   }
 
  private:
-  std::vector<ChosenPatch> choose(const LodScene& scene, const LodView& view) const {
-    const Screen screen(view.view);
-    const ViewFrustum volume(view.view, Occluder(scene.lowest_m));
-    std::vector<ChosenPatch> chosen;
-    for (const std::size_t index : tiles_in_view(scene, view)) {
-      for (const Patch& block : blocks_.of(scene.tiles[index])) {
-        if (view.cull && !volume.sees(block.volume)) continue;
-        const double distance_m = block.volume.distance_m(screen.camera().position);
-        const double allowed_m = view.tolerance_px * distance_m / screen.pixels_per_radian();
-        chosen.push_back({index, &block, step_within(block, allowed_m)});
-      }
-    }
-    return chosen;
-  }
-
   static int step_within(const Patch& block, double allowed_m) {
     int step = static_cast<int>(block.errors_m.size()) - 1;
     while (step > 0 && static_cast<double>(block.errors_m[static_cast<std::size_t>(step)]) > allowed_m)
@@ -58,8 +46,6 @@ class Block : public LodMethod {
 }  // namespace
 
 extern const LodMethodInfo block_lod_method;
-const LodMethodInfo block_lod_method{"block", false, [](const LodOptions&) -> std::unique_ptr<LodMethod> {
-                                       return std::make_unique<Block>();
-                                     }};
+const LodMethodInfo block_lod_method{"block", false, create_without_options<Block>};
 
 }  // namespace cairn

@@ -2,9 +2,8 @@
 // triangles per tile (Vaněk & Ježek 2004, §2, table 1).
 
 #include "runtime/lod/lod_method.h"
-#include "runtime/lod/mesh/cpu_clock.h"
+#include "runtime/lod/mesh/build_mesh.h"
 #include "runtime/lod/mesh/index_forms.h"
-#include "runtime/lod/mesh/remove_t_junctions.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 
@@ -28,26 +27,21 @@ class Full : public LodMethod {
   std::uint64_t prepared_bytes() const override { return 0; }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
-    const double start = thread_cpu_s();
-    const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
-    const double selected = thread_cpu_s();
-    LodMesh mesh;
-    for (const std::size_t index : drawn) {
-      mesh.tiles.push_back(every_sample(scene, index));
-      const int side = TileWindow(scene, scene.tiles[index]).cells() + 1;
-      for (const IndexForm form : kIndexForms) mesh.count(form, grid_index_count(form, side, side));
-    }
-    remove_t_junctions(scene, mesh);
-    mesh.selection_s = selected - start;
-    mesh.building_s = thread_cpu_s() - selected;
-    return mesh;
+    const auto append = [&](const std::vector<std::size_t>& drawn, LodMesh& mesh) {
+      for (const std::size_t index : drawn) {
+        mesh.tiles.push_back(every_sample(scene, index));
+        const int side = TileWindow(scene, scene.tiles[index]).cells() + 1;
+        for (const IndexForm form : kIndexForms) mesh.count(form, grid_index_count(form, side, side));
+      }
+    };
+    return build_mesh(
+        scene, [&] { return tiles_in_view(scene, view); }, append);
   }
 };
 
 }  // namespace
 
 extern const LodMethodInfo full_lod_method;
-const LodMethodInfo full_lod_method{
-    "full", true, [](const LodOptions&) -> std::unique_ptr<LodMethod> { return std::make_unique<Full>(); }};
+const LodMethodInfo full_lod_method{"full", true, create_without_options<Full>};
 
 }  // namespace cairn

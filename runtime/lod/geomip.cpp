@@ -16,7 +16,6 @@
 #include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/patches.h"
 #include "runtime/lod/mesh/screen.h"
-#include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 
 namespace cairn {
@@ -33,28 +32,17 @@ class GeoMip : public LodMethod {
   std::uint64_t prepared_bytes() const override { return patches_.bytes(); }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
-    return mesh_of_patches(scene, [&] { return choose(scene, view); });
+    const Screen screen(view.view);
+    return mesh_of_patches(scene, view, patches_, [&](const LodTile& tile, const Patch& patch) {
+      const double spacing_m = tile_width_degrees(tile.source.level) / (scene.tile_size - 1) * kDegree_m;
+      const double min_m = spacing_m * screen.pixels_per_radian() / (kPixels * view.tolerance_px);
+      const double distance_m = glm::distance(screen.camera().position, patch.volume.centre);
+      return step_at(distance_m, min_m, patch.cells);
+    });
   }
 
  private:
-  std::vector<ChosenPatch> choose(const LodScene& scene, const LodView& view) const {
-    const Screen screen(view.view);
-    const ViewFrustum volume(view.view, Occluder(scene.lowest_m));
-    std::vector<ChosenPatch> chosen;
-    for (const std::size_t index : tiles_in_view(scene, view)) {
-      const LodTile& tile = scene.tiles[index];
-      const double spacing_m = tile_width_degrees(tile.source.level) / (scene.tile_size - 1) * kDegree_m;
-      const double min_m = spacing_m * screen.pixels_per_radian() / (kPixels * view.tolerance_px);
-      for (const Patch& patch : patches_.of(tile)) {
-        if (view.cull && !volume.sees(patch.volume)) continue;
-        const double distance_m = glm::distance(screen.camera().position, patch.volume.centre);
-        chosen.push_back({index, &patch, step_at(distance_m, min_m, patch.cells)});
-      }
-    }
-    return chosen;
-  }
-
-  /// n - k.
+  /// Returns n - k.
   static int step_at(double distance_m, double min_m, int cells) {
     const int n = std::ilogb(cells);
     const double part = std::clamp((distance_m - min_m) / ((cells - 1) * min_m + 1e-9), 0.0, 1.0);
@@ -67,8 +55,6 @@ class GeoMip : public LodMethod {
 }  // namespace
 
 extern const LodMethodInfo geomip_lod_method;
-const LodMethodInfo geomip_lod_method{"geomip", false, [](const LodOptions&) -> std::unique_ptr<LodMethod> {
-                                        return std::make_unique<GeoMip>();
-                                      }};
+const LodMethodInfo geomip_lod_method{"geomip", false, create_without_options<GeoMip>};
 
 }  // namespace cairn

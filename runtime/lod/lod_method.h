@@ -1,6 +1,6 @@
 #pragma once
 
-// Level-of-detail methods: plain data in, a mesh out. One file a method in lod/, the folder is the list.
+// Level-of-detail methods: plain data in, a mesh out. Each file of lod/ is a method; the folder is the list.
 
 #include <cstdint>
 #include <memory>
@@ -11,39 +11,45 @@
 
 namespace cairn {
 
-/// What a command line may set. Parameters that follow from the tolerance are the methods' own.
+/// The options of methods. What follows from the tolerance is no option.
 struct LodOptions {
-  bool roughness = false;           ///< quadtree: d2 of [4, (5.6)]
-  bool angle_compensation = false;  ///< quadtree: C_N of [4, (5.9)]
+  bool roughness = false;           ///< quadtree: d2 of Melkisetoğlu 2005, eq. 5.6
+  bool angle_compensation = false;  ///< quadtree: C_N of Melkisetoğlu 2005, eq. 5.9
 };
 
-/// One method at work on one flight. Results depend on nothing but the scene and the view, unless the method
-/// says so. One thread only.
+/// A method, used for one flight by one thread. A mesh depends only on the scene and the view, unless the
+/// method's file says otherwise.
 class LodMethod {
  public:
   virtual ~LodMethod() = default;
 
-  /// What the method works out when tiles are loaded, once for each: keeps what the scene's tiles need and
-  /// drops the rest. A runtime does it on its loading threads, so that its time is not a frame's.
+  /// Works out what the method needs of each new tile of the scene, and drops it for tiles that are gone. A
+  /// runtime does this on its loading threads, so its time is not part of a frame's.
   virtual void prepare(const LodScene& scene) = 0;
-  /// Bytes that prepare() keeps beside the tiles.
+  /// Returns the bytes that prepare() keeps beside the tiles.
   virtual std::uint64_t prepared_bytes() const = 0;
 
-  /// REQUIRES: the scene was prepared.
+  /// Returns the mesh for a view. REQUIRES: the scene was given to prepare().
   virtual LodMesh build(const LodScene& scene, const LodView& view) = 0;
 };
 
 struct LodMethodInfo {
   std::string_view name;
-  bool keeps_tolerance;  ///< every finest sample in the picture is within the tolerance of its place, as long
-                         ///< as the scene's own error allows; see Screen for the measure
+  bool keeps_tolerance;  ///< every visible finest sample is within the tolerance, by Screen's measure, as far
+                         ///< as the scene's own error allows
   std::unique_ptr<LodMethod> (*create)(const LodOptions& options);
 };
 
-/// All methods, in the order of their files' names.
+/// The LodMethodInfo::create of a method that has no options.
+template <class Method>
+std::unique_ptr<LodMethod> create_without_options(const LodOptions&) {
+  return std::make_unique<Method>();
+}
+
+/// Returns all methods, in the order of their files' names.
 std::span<const LodMethodInfo* const> lod_methods();
 
-/// The method of this name; null if there is none.
+/// Returns the method of this name, null if there is none.
 inline const LodMethodInfo* lod_method(std::string_view name) {
   for (const LodMethodInfo* method : lod_methods()) {
     if (method->name == name) return method;

@@ -25,15 +25,14 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "cairn/geodesy.h"
 #include "runtime/lod/lod_method.h"
-#include "runtime/lod/mesh/cpu_clock.h"
+#include "runtime/lod/mesh/build_mesh.h"
 #include "runtime/lod/mesh/grid_positions.h"
-#include "runtime/lod/mesh/remove_t_junctions.h"
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/vertex_numbers.h"
-#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {
@@ -49,8 +48,8 @@ struct Node {
   int half = 0;
 };
 
-/// The flags of Table 5.2.1's matrix: which nodes of a window are split, by their middles. Cleared by what
-/// was set, so that a frame costs what it splits.
+/// Which nodes of a window are split, by their middles: the matrix of table 5.2.1. It is cleared flag by
+/// flag, so that a frame costs what it splits.
 class SplitMatrix {
  public:
   explicit SplitMatrix(int side) : side_(side) {
@@ -79,7 +78,7 @@ class SplitMatrix {
   std::vector<std::size_t> set_;
 };
 
-/// What is known of a tile from loading, and the flags of its nodes.
+/// What is worked out when a tile is loaded, and the flags of its nodes.
 struct Prepared {
   TileId source;
   GridPositions positions;
@@ -87,7 +86,7 @@ struct Prepared {
   std::vector<float> roughness_m;  ///< max|dh| of the node around each sample; empty without roughness
 };
 
-/// (5.5) of every node of a window, made no smaller than the children's.
+/// Returns eq. 5.5 of every node of a window, made no smaller than the children's.
 class Roughness {
  public:
   explicit Roughness(const TileWindow& window) : window_(window), side_(window.cells() + 1) {
@@ -114,7 +113,7 @@ class Roughness {
                    static_cast<std::size_t>(n.column)] = static_cast<float>(worst);
   }
 
-  /// Of the middles of the four edges and, by both diagonals, of the node.
+  /// Returns the largest |dh| of the middles of the four edges and, by both diagonals, of the node.
   double deviation(const Node& n) const {
     const int w = n.column - n.half, e = n.column + n.half, s = n.row - n.half, t = n.row + n.half;
     const auto between = [&](int c0, int r0, int c1, int r1) {
@@ -130,13 +129,13 @@ class Roughness {
   std::vector<float> values_;
 };
 
-/// Whether a node is split, by rule (5.4) to (5.9) and the frustum test.
+/// Decides whether a node is split, by eq. 5.4 to 5.9 and the frustum test.
 class Criterion {
  public:
   Criterion(const LodScene& scene, const LodView& view, const LodOptions& options)
       : screen_(view.view),
         frame_(local_frame(view.view.eye)),
-        volume_(view.view, Occluder(scene.lowest_m)),
+        frustum_(view.view, Occluder(scene.lowest_m)),
         cull_(view.cull),
         rough_(options.roughness) {
     detail_ = screen_.pixels_per_radian() / ((rough_ ? kRoughEdge_px : kEdge_px) * view.tolerance_px);
@@ -153,17 +152,17 @@ class Criterion {
     return l1 < edge_m * detail_ * weight;
   }
 
-  /// Whether a node may be in the picture; `relief_m` is the difference between its tile's heights.
-  bool sees(const glm::dvec3& middle, double edge_m, double relief_m) const {
+  /// Returns whether a node may be visible; `relief_m` is the range of its tile's heights.
+  bool may_be_visible(const glm::dvec3& middle, double edge_m, double relief_m) const {
     const double radius_m = 0.75 * edge_m + relief_m;
     return !cull_ ||
-           volume_.sees({middle, {{radius_m, 0, 0}, {0, radius_m, 0}, {0, 0, radius_m}}, std::nullopt});
+           frustum_.sees({middle, {{radius_m, 0, 0}, {0, radius_m, 0}, {0, 0, radius_m}}, std::nullopt});
   }
 
  private:
   Screen screen_;
   LocalFrame frame_;
-  ViewFrustum volume_;
+  ViewFrustum frustum_;
   bool cull_;
   bool rough_;
   double detail_ = 0;  // C or C_N
@@ -186,7 +185,7 @@ class SplitNodes {
 
   bool contains(std::size_t tile, const Node& n) const { return split_[tile]->contains(n); }
 
-  /// Splits the node, its ancestors, and what neighbours them where that needs to be.
+  /// Splits the node, its ancestors, and the neighbours that must be split with them.
   void insert(std::size_t tile, const Node& n) {
     if (!split_[tile]->insert(n) || n.half * 2 == windows_[tile].cells()) return;
     const Node parent = parent_of(n);
@@ -200,7 +199,7 @@ class SplitNodes {
   }
 
   enum class Beside { node, foreign };
-  /// Moves to the neighbour of the node's size; foreign where there is none on the same grid.
+  /// Moves to the neighbour of the node's size. Returns foreign where none lies on a grid of this spacing.
   Beside find_beside(std::size_t& tile, Node& n, int east, int north) const {
     const int cells = windows_[tile].cells();
     const Node moved{n.column + 2 * n.half * east, n.row + 2 * n.half * north, n.half};
@@ -217,7 +216,7 @@ class SplitNodes {
   }
 
  private:
-  /// Nodes of half edge h have their middles at odd multiples of h.
+  /// Returns the parent. Nodes of half edge h have their middles at odd multiples of h.
   static Node parent_of(const Node& n) {
     const int edge = 2 * n.half;
     return {n.column / (2 * edge) * 2 * edge + edge, n.row / (2 * edge) * 2 * edge + edge, edge};
@@ -247,7 +246,8 @@ class Fans {
   }
 
  private:
-  /// Around a node's middle, counter-clockwise from the middle of the south edge; odd ones are corners.
+  /// The places around a node's middle, anticlockwise from the middle of the south edge; odd ones are
+  /// corners.
   static constexpr int kRing[8][2] = {{0, -1}, {1, -1}, {1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}};
 
   void draw(const Node& n) {
@@ -307,9 +307,9 @@ class Quadtree : public LodMethod {
   explicit Quadtree(const LodOptions& options) : options_(options) {}
 
   void prepare(const LodScene& scene) override {
-    std::unordered_set<TileId> wanted;
-    for (const LodTile& tile : scene.tiles) wanted.insert(tile.area);
-    std::erase_if(prepared_, [&](const auto& item) { return !wanted.contains(item.first); });
+    std::unordered_set<TileId> areas;
+    for (const LodTile& tile : scene.tiles) areas.insert(tile.area);
+    std::erase_if(prepared_, [&](const auto& item) { return !areas.contains(item.first); });
     for (const LodTile& tile : scene.tiles) {
       const auto it = prepared_.find(tile.area);
       if (it != prepared_.end() && it->second.source == tile.source) continue;
@@ -326,18 +326,17 @@ class Quadtree : public LodMethod {
   }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
-    const double start = thread_cpu_s();
-    SplitNodes split(scene, prepared_);
-    const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
-    const Criterion criterion(scene, view, options_);
-    for (const std::size_t index : drawn) refine(scene, index, criterion, split);
-    const double selected = thread_cpu_s();
-    LodMesh mesh;
-    for (const std::size_t index : drawn) Fans(split, index, numbers_, mesh).draw();
-    remove_t_junctions(scene, mesh);
-    mesh.selection_s = selected - start;
-    mesh.building_s = thread_cpu_s() - selected;
-    return mesh;
+    std::vector<std::size_t> drawn;
+    const auto select = [&] {
+      SplitNodes split(scene, prepared_);
+      drawn = tiles_in_view(scene, view);
+      const Criterion criterion(scene, view, options_);
+      for (const std::size_t index : drawn) refine(scene, index, criterion, split);
+      return split;
+    };
+    return build_mesh(scene, select, [&](const SplitNodes& split, LodMesh& mesh) {
+      for (const std::size_t index : drawn) Fans(split, index, numbers_, mesh).draw();
+    });
   }
 
  private:
@@ -362,7 +361,7 @@ class Quadtree : public LodMethod {
           tile.roughness_m.empty() ? 0 : static_cast<double>(tile.roughness_m[tile.split.slot(n)]);
       const double edge_m = 2 * n.half * sample_m;
       const bool splits =
-          criterion.sees(middle, edge_m, relief_m) && criterion.splits(middle, edge_m, rough_m);
+          criterion.may_be_visible(middle, edge_m, relief_m) && criterion.splits(middle, edge_m, rough_m);
       if (root || splits) split.insert(index, n);
       if (!splits || n.half == 1) return;
       const int quarter = n.half / 2;

@@ -27,9 +27,7 @@
 #include "format/rqt_triangulate.h"
 #include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
-#include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/patches.h"
-#include "runtime/lod/mesh/remove_t_junctions.h"
 #include "runtime/lod/mesh/screen_error_budget.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
@@ -45,13 +43,13 @@ constexpr double kSpacingToTolerance = 1.0 / 64;
 constexpr double kMaxSagittaShare = 1.0 / 8;
 constexpr int kPatchCells = 64;
 
-/// A tile's triangulations, and the chord of its cells.
+/// A tile's triangulations, and the sagitta of its cells.
 struct Triangulated {
   RqtBlock block;
-  double chord_m = 0;  ///< see chord_of_cell_m()
+  double sagitta_m = 0;  ///< see sagitta_of_cell_m()
 };
 
-/// How far a patch's triangles are from the bilinear surface between samples, at most.
+/// Returns the largest distance of a patch's triangles from the bilinear surface between samples.
 double largest_twist_m(const LodScene& scene, const TileWindow& window, const Patch& patch) {
   std::int64_t worst = 0;
   for (int r = patch.row; r < patch.row + patch.cells; ++r) {
@@ -76,16 +74,17 @@ RqtBlock block_of(const LodScene& scene, const LodTile& tile) {
           triangulate(*tile.heights, scene.quantum_m, tolerance_m, kStepsWithoutFlags, rising)};
 }
 
-/// What a patch takes.
+/// The triangulation that a patch takes.
 struct Choice {
-  int step = kMostRqtSteps - 1;  ///< of the triangulations; -1: all samples
+  int step = kMostRqtSteps - 1;  ///< of the tile's triangulations; -1 for all samples
   int coarsest = 16;  ///< squares of more than 2^coarsest cells are split for the Earth's curvature
 };
 
-/// Enables what the patches of one tile take.
-class Taking {
+/// Enables the vertices that the patches of one tile take.
+class PatchSelection {
  public:
-  Taking(const RqtSteps& vertices, const TileWindow& window, std::size_t tile, BisectionForest& forest)
+  PatchSelection(const RqtSteps& vertices, const TileWindow& window, std::size_t tile,
+                 BisectionForest& forest)
       : vertices_(vertices),
         window_(window),
         tile_(tile),
@@ -104,7 +103,7 @@ class Taking {
   }
 
  private:
-  // The finest of the patches in a square.
+  // Returns the finest choice of the patches in a square.
   Choice choice_in(int k, int x, int y) const {
     const int up = std::max(0, k - patch_level_), down = std::max(0, patch_level_ - k);
     Choice finest;
@@ -166,26 +165,22 @@ class Rqt : public LodMethod {
   }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
-    const double start = thread_cpu_s();
-    const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
-    choose(scene, view, drawn);
-    const double selected = thread_cpu_s();
-    LodMesh mesh;
-    for (const std::size_t i : drawn)
+    const auto select = [&] {
+      const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
+      choose(scene, view, drawn);
+      return drawn;
+    };
+    return mesh_of_forest(scene, forest_, select, [&](std::size_t i, LodMesh& mesh) {
       forest_.append(
           scene, i, BisectionForest::kNeverCull, [](int, int, int) { return true; }, mesh);
-    remove_t_junctions(scene, forest_.meet_finer(), mesh);
-    mesh.count(IndexForm::list, {3 * mesh.triangle_count(), mesh.tiles.size()});
-    mesh.selection_s = selected - start;
-    mesh.building_s = thread_cpu_s() - selected;
-    return mesh;
+    });
   }
 
  private:
   static Triangulated load(const LodScene& scene, const LodTile& tile) {
     const double cell =
         tile_width_degrees(tile.source.level) / (scene.tile_size - 1) * std::numbers::pi / 180;
-    return {block_of(scene, tile), chord_of_cell_m(cell, tile.max_m)};
+    return {block_of(scene, tile), sagitta_of_cell_m(cell, tile.max_m)};
   }
 
   void prepare_twists(const LodScene& scene) {
@@ -204,8 +199,8 @@ class Rqt : public LodMethod {
   }
 
   void choose(const LodScene& scene, const LodView& view, const std::vector<std::size_t>& drawn) {
-    const ScreenErrorBudget allowance(view, scene.lowest_m);
-    const ViewFrustum volume(view.view, Occluder(scene.lowest_m));
+    const ScreenErrorBudget budget(view, scene.lowest_m);
+    const ViewFrustum frustum(view.view, Occluder(scene.lowest_m));
     const glm::dvec3 eye = camera_frame(view.view).position;
     forest_.begin();
     for (const std::size_t i : drawn) {
@@ -214,22 +209,22 @@ class Rqt : public LodMethod {
       const std::vector<double>& twists_m = twists_m_.at(tile.area);
       const std::vector<Patch>& patches = patches_.of(tile);
       const TileWindow window(scene, tile);
-      Taking taking(own.block.vertices, window, i, forest_);
+      PatchSelection selection(own.block.vertices, window, i, forest_);
       for (std::size_t p = 0; p < patches.size(); ++p) {
-        if (view.cull && !volume.sees(patches[p].volume)) continue;
+        if (view.cull && !frustum.sees(patches[p].volume)) continue;
         const double between_m = tile.error_m > 0 ? tile.error_m + twists_m[p] : 0;
-        const ScreenErrorBudget::Scale scale = allowance.scale_from(patches[p].volume.distance_m(eye));
-        taking.set(patches[p], choice_for(own, allowance.error_m(scale, between_m, 0)));
+        const ScreenErrorBudget::ProjectedScale scale = budget.scale_from(patches[p].volume.distance_m(eye));
+        selection.set(patches[p], choice_for(own, budget.error_m(scale, between_m, 0)));
       }
-      taking.run();
+      selection.run();
     }
-    forest_.settle();
+    forest_.join_corners();
   }
 
   static Choice choice_for(const Triangulated& own, double allowed_m) {
     Choice choice{-1, 1};
     while (choice.coarsest < 15 &&
-           own.chord_m * static_cast<double>(std::uint64_t{4} << (2 * choice.coarsest)) <=
+           own.sagitta_m * static_cast<double>(std::uint64_t{4} << (2 * choice.coarsest)) <=
                allowed_m * kMaxSagittaShare)
       ++choice.coarsest;
     double error_m = static_cast<double>(own.block.tolerance_m);
@@ -249,7 +244,6 @@ class Rqt : public LodMethod {
 }  // namespace
 
 extern const LodMethodInfo rqt_lod_method;
-const LodMethodInfo rqt_lod_method{
-    "rqt", true, [](const LodOptions&) -> std::unique_ptr<LodMethod> { return std::make_unique<Rqt>(); }};
+const LodMethodInfo rqt_lod_method{"rqt", true, create_without_options<Rqt>};
 
 }  // namespace cairn

@@ -27,11 +27,9 @@
 #include "format/rqt_steps.h"
 #include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
-#include "runtime/lod/mesh/cpu_clock.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/index_forms.h"
 #include "runtime/lod/mesh/prepared_tiles.h"
-#include "runtime/lod/mesh/remove_t_junctions.h"
 #include "runtime/lod/mesh/screen_error_budget.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
@@ -42,7 +40,7 @@
 namespace cairn {
 namespace {
 
-/// Nested error and radius of each vertex of a tile, row-major.
+/// The nested error and radius of each vertex of a tile, row by row.
 struct NestedSpheres {
   NestedSpheres(const LodScene& scene, const LodTile& tile, bool between_samples)
       : positions(south_west_of(tile.source), lattice_width(tile.source.level) / (scene.tile_size - 1),
@@ -60,13 +58,13 @@ struct NestedSpheres {
   std::vector<float> radii_m;
 
  private:
-  // From the fine to the coarse, each vertex hands what it has to those that it needs: its parents.
+  // From fine to coarse, each vertex hands its error and sphere to its parents, on which it depends.
   void nest(const LodScene& scene, const LodTile& tile) {
     const HeightTile& heights = *tile.heights;
     const double cell = tile_width_degrees(tile.source.level) / (heights.size - 1) * std::numbers::pi / 180;
     const double cell_m = cell * (kEquatorialRadius + std::max(0.0, tile.max_m));
-    add_chords(heights.size, cell, tile.max_m);
-    // A triangle's places between samples are within a cell of one.
+    add_sagittas(heights.size, cell, tile.max_m);
+    // Places of a triangle between samples are at most one cell's diagonal from a sample.
     radii_m.assign(errors_m.size(), static_cast<float>(cell_m * std::numbers::sqrt2));
     std::vector<std::size_t> order;
     std::vector<RqtNeeds> parents;
@@ -89,37 +87,39 @@ struct NestedSpheres {
     }
   }
 
-  // A middle's triangles have their hypotenuse along the grid, a centre's across: see chord_of_cell_m().
-  void add_chords(int size, double cell, double max_m) {
-    const double chord_m = chord_of_cell_m(cell, max_m);
+  // Triangles bisected at a middle have their hypotenuse along the grid, those at a centre a diagonal one:
+  // see sagitta_of_cell_m().
+  void add_sagittas(int size, double cell, double max_m) {
+    const double sagitta_m = sagitta_of_cell_m(cell, max_m);
     for (int r = 0; r < size; ++r) {
       for (int c = 0; c < size; ++c) {
         const int h = (c | r) & -(c | r);
         const bool centre = (c & h) != 0 && (r & h) != 0;
         errors_m[static_cast<std::size_t>(r) * static_cast<std::size_t>(size) +
-                 static_cast<std::size_t>(c)] += static_cast<float>(chord_m * 4 * h * h * (centre ? 1 : 0.5));
+                 static_cast<std::size_t>(c)] +=
+            static_cast<float>(sagitta_m * 4 * h * h * (centre ? 1 : 0.5));
       }
     }
   }
 };
 
-/// One pass over a tile, from the coarse to the fine.
+/// One pass over a tile, from coarse to fine.
 class Refinement {
  public:
   Refinement(const LodScene& scene, std::size_t number, const NestedSpheres& spheres,
-             const ScreenErrorBudget& allowance, const LodView& view, BisectionForest& forest)
+             const ScreenErrorBudget& budget, const LodView& view, BisectionForest& forest)
       : tile_(scene.tiles[number]),
         window_(scene, tile_),
         number_(number),
         spheres_(spheres),
-        allowance_(allowance),
+        budget_(budget),
         cull_(view.cull),
         forest_(forest) {}
 
   void run() {
     const int k = forest_.levels(number_);
     if (k == 0) return;
-    forest_.enable_centre(number_, k, 0, 0);  // their strip begins with four triangles
+    forest_.enable_centre(number_, k, 0, 0);  // the paper's strip begins with four triangles
     refine(k, 0, 0);
   }
 
@@ -141,21 +141,21 @@ class Refinement {
                           static_cast<std::size_t>(column);
     const SquareSphere sphere{spheres_.positions.at(column, row, window_.height_m(c, r)),
                               static_cast<double>(spheres_.radii_m[i])};
-    if (cull_ && !allowance_.sees(sphere)) return false;
-    const ScreenErrorBudget::Scale scale = allowance_.isotropic(allowance_.scale_of(sphere));
-    return static_cast<double>(spheres_.errors_m[i]) > allowance_.error_m(scale, tile_.error_m, 0);
+    if (cull_ && !budget_.may_be_visible(sphere)) return false;
+    const ScreenErrorBudget::ProjectedScale scale = budget_.isotropic(budget_.scale_of(sphere));
+    return static_cast<double>(spheres_.errors_m[i]) > budget_.error_m(scale, tile_.error_m, 0);
   }
 
   const LodTile& tile_;
   TileWindow window_;
   std::size_t number_;
   const NestedSpheres& spheres_;
-  const ScreenErrorBudget& allowance_;
+  const ScreenErrorBudget& budget_;
   bool cull_;
   BisectionForest& forest_;
 };
 
-/// mesh-refine: the strip of a tile from its enabled vertices.
+/// Makes the strip of a tile from its vertices (the paper's mesh-refine).
 class Strip {
  public:
   Strip(const BisectionForest& forest, std::size_t tile, const TileWindow& window, VertexNumbers& numbers)
@@ -186,7 +186,7 @@ class Strip {
 
   std::uint32_t number(const Place& p) { return numbers_.number(p.c, p.r); }
 
-  // submesh-refine: the triangle with this hypotenuse, if its right angle is there.
+  // The paper's submesh-refine, for the triangle with this hypotenuse.
   void refine(const Place& left, const Place& right, const Place& apex, int depth) {
     if (!forest_.has(tile_, apex.c, apex.r)) return;
     const int c = left.c + right.c, r = left.r + right.r;
@@ -197,7 +197,7 @@ class Strip {
     if (has_base) refine(apex, right, base, depth + 1);
   }
 
-  // tristrip-append
+  // The paper's tristrip-append.
   void append(const Place& place, int parity) {
     const std::uint32_t v = number(place), last = strip_.back(), before = strip_[strip_.size() - 2];
     if (v == last || v == before) return;
@@ -226,21 +226,17 @@ class Soar : public LodMethod {
   std::uint64_t prepared_bytes() const override { return spheres_.bytes() + forest_.bytes(); }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
-    const double start = thread_cpu_s();
-    const ScreenErrorBudget allowance(view, scene.lowest_m);
-    const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
-    forest_.begin();
-    for (const std::size_t i : drawn)
-      Refinement(scene, i, spheres_.of(scene.tiles[i]), allowance, view, forest_).run();
-    forest_.settle();
-    const double selected = thread_cpu_s();
-    LodMesh mesh;
-    for (const std::size_t i : drawn) append(scene, i, mesh);
-    remove_t_junctions(scene, forest_.meet_finer(), mesh);
-    mesh.count(IndexForm::list, {3 * mesh.triangle_count(), mesh.tiles.size()});
-    mesh.selection_s = selected - start;
-    mesh.building_s = thread_cpu_s() - selected;
-    return mesh;
+    const auto select = [&] {
+      const ScreenErrorBudget budget(view, scene.lowest_m);
+      const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
+      forest_.begin();
+      for (const std::size_t i : drawn)
+        Refinement(scene, i, spheres_.of(scene.tiles[i]), budget, view, forest_).run();
+      forest_.join_corners();
+      return drawn;
+    };
+    return mesh_of_forest(scene, forest_, select,
+                          [&](std::size_t i, LodMesh& mesh) { append(scene, i, mesh); });
   }
 
  private:
@@ -262,7 +258,6 @@ class Soar : public LodMethod {
 }  // namespace
 
 extern const LodMethodInfo soar_lod_method;
-const LodMethodInfo soar_lod_method{
-    "soar", true, [](const LodOptions&) -> std::unique_ptr<LodMethod> { return std::make_unique<Soar>(); }};
+const LodMethodInfo soar_lod_method{"soar", true, create_without_options<Soar>};
 
 }  // namespace cairn

@@ -9,32 +9,33 @@
 
 namespace cairn {
 
-/// What is counted: the K levels of the maps of one pattern.
+/// Which maps are counted: the K levels of one pattern.
 struct CountSpec {
-  TileId start;    ///< the eye's tile before the first move
+  TileId start;    ///< the camera's tile before the first move
   int levels = 4;  ///< K; start.level - K + 1 >= kMinLevel
   RefinementPattern pattern = RefinementPattern::restricted;
   int window_tiles = 8;
-  HasTile has;  ///< null: the endless world, where every tile exists
+  HasTile has;  ///< null for the endless world, where every tile exists
 };
 
-/// One move of the eye.
+/// The counts of one move.
 struct MoveCount {
   std::size_t total = 0;       ///< tiles of the map after the move
-  std::size_t difference = 0;  ///< those of them that the map before it did not have
+  std::size_t difference = 0;  ///< those of them that the map before the move did not have
 };
 
-/// A place from which neither 2^17 moves nor the tiles of K <= 9 levels reach a border of the world, so that
-/// it has none; a corner of the tiles of all those levels.
+/// Returns a tile from which neither 2^17 moves nor the tiles of K <= 9 levels reach a border of the world.
+/// It lies at a corner of the tiles of all those levels.
 TileId endless_world();
 
-/// The tiles that a map of the spec shows with the eye there, its K levels only.
+/// Returns the tiles of the spec's K levels that a map has with the camera in tile `eye`.
 std::vector<TileId> counted_tiles(const CountSpec& spec, const TileId& eye);
 
-/// A walk from the start: one count a move.
+/// Returns one count per move of a walk from the start.
 std::vector<MoveCount> count_walk(const CountSpec& spec, std::span<const Move> walk);
 
-/// Every eye tile of a 2^(K+2) square north-east of the start, and from each every one of `moves`.
+/// Returns the counts of every one of `moves` from every camera tile of a square of 2^(K+2) tiles north-east
+/// of the start.
 std::vector<MoveCount> count_exhaustively(const CountSpec& spec, std::span<const Move> moves);
 
 }  // namespace cairn

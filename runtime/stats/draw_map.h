@@ -6,8 +6,9 @@
 
 namespace cairn {
 
-/// A scene map of several levels as SVG, north up, like [4, figures 6.2.2–6.2.9]: finer tiles are darker, the
-/// eye's tile is black. REQUIRES: the map is not empty and does not cross the antimeridian.
+/// Returns a scene map as SVG, north up, in the manner of Melkisetoğlu 2005, figures 6.2.2 to 6.2.9.
+/// Finer tiles are darker, the camera's tile is black. REQUIRES: the map is not empty and does not cross the
+/// antimeridian.
 std::string draw_map(const SceneMap& map, const TileId& eye, std::string_view title);
 
 }  // namespace cairn

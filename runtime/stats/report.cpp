@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "runtime/stats/thesis.h"
+#include "runtime/stats/published_counts.h"
 
 namespace cairn {
 namespace {
@@ -49,8 +49,8 @@ Json pattern_json(const PatternReport& report, int levels) {
   Json json{{"name", to_string(report.pattern)},
             {"total", total_json(report)},
             {"difference", difference_json(report)}};
-  if (const auto thesis = thesis_counts(report.pattern, levels)) {
-    json["thesis"] = {{"total_max", thesis->total}, {"difference_max", thesis->difference}};
+  if (const auto published = published_counts(report.pattern, levels)) {
+    json["published"] = {{"total_max", published->total}, {"difference_max", published->difference}};
   }
   if (report.loads.empty()) return json;
   const Summary ms = summarize_field(report.loads, &MoveLoad::latency_ms);
@@ -94,14 +94,14 @@ std::string to_table(const StatsReport& report) {
   std::ostringstream out;
   char line[160];
   std::snprintf(line, sizeof line, "%-11s %5s %5s %7s   %5s %5s %7s   %s\n", "pattern", "min", "max", "mean",
-                "diff", "p95", "mean", "thesis: max total, max difference");
+                "diff", "p95", "mean", "Melkisetoglu: max total, max difference");
   out << line;
   for (const PatternReport& pattern : report.patterns) {
     const Summary total = summarize_field(pattern.counts, &MoveCount::total);
     const Summary difference = summarize_field(pattern.counts, &MoveCount::difference);
-    const auto thesis = thesis_counts(pattern.pattern, report.levels);
+    const auto published = published_counts(pattern.pattern, report.levels);
     const std::string theirs =
-        thesis ? std::to_string(thesis->total) + ", " + std::to_string(thesis->difference) : "-";
+        published ? std::to_string(published->total) + ", " + std::to_string(published->difference) : "-";
     std::snprintf(line, sizeof line, "%-11s %5.0f %5.0f %7.2f   %5.0f %5.0f %7.2f   %s\n",
                   std::string(to_string(pattern.pattern)).c_str(), total.min, total.max, total.mean,
                   difference.max, difference.p95, difference.mean, theirs.c_str());

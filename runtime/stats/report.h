@@ -8,13 +8,13 @@
 
 namespace cairn {
 
-/// What loading a move's difference blocks from a pack took.
+/// The cost of loading one move's difference blocks from a pack.
 struct MoveLoad {
   double latency_ms = 0;    ///< from the request to the last block decoded
   std::uint64_t bytes = 0;  ///< of blocks, as stored
 };
 
-/// The counts of one pattern, and the loads where there was a pack: then one a move.
+/// The counts of one pattern; with a pack, also one load per move.
 struct PatternReport {
   RefinementPattern pattern = RefinementPattern::restricted;
   std::vector<MoveCount> counts;
@@ -27,17 +27,17 @@ struct StatsReport {
   std::string walk;
   std::uint64_t seed = 0;
   bool exhaustive = false;
-  std::string pack;  ///< empty: the endless world
+  std::string pack;  ///< empty for the endless world
   std::vector<PatternReport> patterns;
 };
 
-/// docs/block-counts.md names the fields.
+/// Returns the report as JSON; docs/block-counts.md describes the fields.
 std::string to_json(const StatsReport& report);
 
-/// A row a move: pattern,move,total,difference, and latency_ms,bytes where there was a pack.
+/// Returns one row per move: pattern,move,total,difference, and with a pack latency_ms,bytes.
 std::string to_csv(const StatsReport& report);
 
-/// The table for people, the thesis's numbers beside ours.
+/// Returns a table to read, with the published numbers beside the counted ones.
 std::string to_table(const StatsReport& report);
 
 }  // namespace cairn

@@ -11,23 +11,24 @@
 
 namespace cairn {
 
-/// One move of the eye, in tiles of the finest level.
+/// One move of the camera, in tiles of the finest level.
 struct Move {
   std::int32_t dx = 0;
   std::int32_t dy = 0;
 };
 
-/// The one-tile moves of a kind: axis (4), diagonal (4) or random (all 8). Empty for another word.
+/// Returns the one-tile moves of a kind: axis (4), diagonal (4) or random (all 8); none for another word.
 std::span<const Move> moves_of_kind(std::string_view kind);
 
-/// `count` moves drawn from `kinds`, the same on every machine for a seed. REQUIRES: kinds is not empty.
+/// Returns `count` moves drawn from `kinds`. Equal seeds give equal moves on every machine. REQUIRES: kinds
+/// is not empty.
 std::vector<Move> random_walk(std::span<const Move> kinds, std::size_t count, std::uint64_t seed);
 
-/// A walk as text: a line a move, "dx,dy"; empty lines and those that begin with # are skipped. bad_data
-/// names the first line that is not one.
+/// Reads a walk from a text file with one move per line, "dx,dy"; empty lines and those that begin with # are
+/// skipped. bad_data names the first line that is no move.
 Result<std::vector<Move>> read_walk(const std::filesystem::path& path);
 
-/// Where a move leads; a move off the end of the world in latitude stays where it is.
+/// Returns the tile that a move leads to; a move beyond a pole stays where it is.
 TileId moved(const TileId& eye, const Move& move);
 
 }  // namespace cairn

@@ -10,7 +10,7 @@
 #include "runtime/flight/camera_text.h"
 #include "runtime/flight/flight.h"
 #include "runtime/gl/headless_context.h"
-#include "runtime/gl/thread_clock.h"
+#include "runtime/view/cpu_clock.h"
 #include "runtime/paging/frame_stats.h"
 #include "runtime/viewer/png_file.h"
 #include "runtime/viewer/scene.h"
@@ -97,11 +97,11 @@ class FlightRun {
       std::this_thread::sleep_until(
           began_ + std::chrono::duration<double>(static_cast<double>(index) / flight_.frames_per_second));
     }
-    const double begin = gl::thread_cpu_ms();
+    const double begin = 1e3 * thread_cpu_s();
     scene_.update(view, 1 / flight_.frames_per_second);
-    const double updated = gl::thread_cpu_ms();
+    const double updated = 1e3 * thread_cpu_s();
     const gl::FrameCounts counts = scene_.draw_list(view, look, target_.framebuffer());
-    const double drawn = gl::thread_cpu_ms();
+    const double drawn = 1e3 * thread_cpu_s();
     if (stats_.is_open()) {
       stats_ << index << ',' << updated - begin << ',' << drawn - updated << ',' << counts.upload_ms << ','
              << counts.patches << ',' << counts.triangles << ',' << counts.uploads << ',' << counts.gpu_bytes

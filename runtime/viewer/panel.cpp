@@ -44,7 +44,7 @@ void draw_counters(const PanelState& state) {
                    state.frame_index, "frame ms", 0, 33.3f, ImVec2(kMapSide, 50));
 }
 
-/// The tiles around the eye, as figures 8.5.x of seed [4] draw them: eight eye tiles to each side.
+/// The tiles around the camera, as in Melkisetoğlu 2005, figures 8.5: eight of its tiles to each side.
 void draw_map(const RenderList& list, const ViewState& view) {
   int finest = kMinLevel;
   for (const RenderTile& tile : list.tiles) finest = std::max(finest, tile.area.level);

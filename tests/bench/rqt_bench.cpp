@@ -28,7 +28,7 @@ struct Corner {
   int row;
 };
 
-/// [3, Algorithm 1]: the indices of triangulation k.
+/// Intel 2012, Algorithm 1: the indices of triangulation k.
 class Triangles {
  public:
   Triangles(const RqtSteps& vertices, int k, std::vector<std::uint32_t>& out)

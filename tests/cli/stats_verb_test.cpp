@@ -39,7 +39,7 @@ TEST_CASE("cairn stats --exhaustive reports the design's table") {
     if (pattern["name"] != "plus") continue;
     CHECK(pattern["total"]["values"] == json({19, 22, 25, 28, 29, 31, 32, 35, 39}));
     CHECK(pattern["difference"]["max"] == 14);
-    CHECK(pattern["thesis"]["total_max"] == 35);
+    CHECK(pattern["published"]["total_max"] == 35);
   }
 }
 

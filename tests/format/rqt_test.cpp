@@ -35,7 +35,7 @@ std::array<Corners, 2> roots(int size, bool rising) {
   return {Corners{Place{0, n}, {n, 0}, {0, 0}}, Corners{Place{n, 0}, {0, n}, {n, n}}};
 }
 
-// [3, Algorithm 1]
+// Intel 2012, Algorithm 1.
 void collect(const RqtSteps& steps, int k, const Corners& t, std::vector<Corners>& out) {
   const Place base = middle(t[0], t[1]);
   if (!can_be_bisected(t) || !steps.has(base[0], base[1], k)) {
@@ -74,8 +74,9 @@ double error_of(const HeightTile& tile, const Corners& t) {
   return worst;
 }
 
-// [3, Algorithm 2] by definition: all triangles of the hierarchy by their base, the finest first; a vertex is
-// enabled where one of the triangles below it was bisected or a triangle that it is the base of is off.
+// Intel 2012, Algorithm 2, by definition: all triangles of the hierarchy by their base, the finest first; a
+// vertex is enabled where one of the triangles below it was bisected or a triangle that it is the base of is
+// off.
 class Definition {
  public:
   Definition(const HeightTile& tile, bool rising, double tolerance) : tile_(tile), tolerance_(tolerance) {

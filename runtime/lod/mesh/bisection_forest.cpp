@@ -11,7 +11,7 @@ constexpr unsigned opposite(unsigned side) {
   return (side + 2) % 4;
 }
 
-/// A side of a tile: the line that it lies on, and from where to where.
+/// A side of a tile, in lattice units: the line that it lies on, and its ends along that line.
 struct SideOf {
   std::int64_t line = 0;
   std::int64_t low = 0;
@@ -55,7 +55,7 @@ void BisectionForest::prepare(const LodScene& scene) {
 }
 
 void BisectionForest::find_neighbours(const LodScene& scene) {
-  meet_finer_.assign(trees_.size(), 0);
+  has_finer_neighbour_.assign(trees_.size(), 0);
   std::array<std::unordered_map<std::int64_t, std::vector<std::size_t>>, 4> on_line;
   for (std::size_t i = 0; i < trees_.size(); ++i) {
     for (unsigned side = 0; side < 4; ++side)
@@ -69,8 +69,8 @@ void BisectionForest::find_neighbours(const LodScene& scene) {
       for (const std::size_t other : others->second) {
         const SideOf beyond = side_of(scene.tiles[other].area, opposite(side));
         if (beyond.low >= own.high || own.low >= beyond.high) continue;
-        trees_[i].beside[side].push_back({other, beyond.low, beyond.high});
-        if (trees_[other].spacing < trees_[i].spacing) meet_finer_[i] = 1;
+        trees_[i].neighbours[side].push_back({other, beyond.low, beyond.high});
+        if (trees_[other].spacing < trees_[i].spacing) has_finer_neighbour_[i] = 1;
       }
     }
   }
@@ -80,7 +80,7 @@ std::uint64_t BisectionForest::bytes() const {
   std::uint64_t bytes = numbers_.size() * sizeof(std::uint32_t);
   for (const Tree& tree : trees_) {
     bytes += sizeof(Tree) + tree.masks.size() * sizeof(Mask);
-    for (const auto& beside : tree.beside) bytes += beside.size() * sizeof(Beside);
+    for (const auto& neighbours : tree.neighbours) bytes += neighbours.size() * sizeof(Neighbour);
   }
   return bytes;
 }
@@ -88,14 +88,14 @@ std::uint64_t BisectionForest::bytes() const {
 void BisectionForest::begin() {
   for (Tree& tree : trees_) {
     if (tree.finest == kUntouched) continue;
-    // The larger squares come first.
+    // Larger squares come first, so that all masks from the finest level's last one on are 0 already.
     const std::size_t end =
         tree.finest > 1 ? tree.first[static_cast<std::size_t>(tree.finest) - 1] : tree.masks.size();
     std::fill_n(tree.masks.begin(), end, Mask{0});
     tree.finest = kUntouched;
     tree.vertices = 0;
   }
-  open_.clear();
+  pending_.clear();
 }
 
 void BisectionForest::join_corners() {
@@ -108,9 +108,9 @@ void BisectionForest::enable_corners_of_neighbours(std::size_t tile) {
     const bool level = side == south || side == north;
     const std::int64_t low = level ? tree.corner.x : tree.corner.y;
     const std::int64_t high = low + (tree.spacing << tree.levels);
-    for (const Beside& other : tree.beside[side]) {
+    for (const Neighbour& other : tree.neighbours[side]) {
       for (const std::int64_t at : {other.low, other.high}) {
-        const std::int64_t half = at & -at;  // of the largest square whose edge it halves
+        const std::int64_t half = at & -at;  // half an edge of the largest square whose middle this is
         if (at <= low || at >= high || half < tree.spacing) continue;
         const int k = std::countr_zero(static_cast<std::uint64_t>(2 * half / tree.spacing));
         const int along = static_cast<int>((at - low) / (2 * half)), across = (1 << (tree.levels - k)) - 1;
@@ -143,7 +143,7 @@ void BisectionForest::enable_centre(std::size_t tile, int k, int x, int y) {
   mask |= kCentre;
   ++tree.vertices;
   tree.finest = std::min(tree.finest, k);
-  open({tile, k, x, y, kCentre});
+  add_pending({tile, k, x, y, kCentre});
   if (k == tree.levels) return;
   enable_middle(tile, k + 1, x / 2, y / 2, (y & 1) != 0 ? north : south);
   enable_middle(tile, k + 1, x / 2, y / 2, (x & 1) != 0 ? east : west);
@@ -155,7 +155,7 @@ void BisectionForest::enable_middle(std::size_t tile, int k, int x, int y, Side 
   if ((mask & bit_of(side)) != 0) return;
   mask |= bit_of(side);
   ++tree.vertices;
-  if (k > 1) open({tile, k, x, y, bit_of(side)});
+  if (k > 1) add_pending({tile, k, x, y, bit_of(side)});
   enable_centre(tile, k, x, y);
   const int bx = x + (side == east ? 1 : side == west ? -1 : 0);
   const int by = y + (side == north ? 1 : side == south ? -1 : 0);
@@ -165,7 +165,7 @@ void BisectionForest::enable_middle(std::size_t tile, int k, int x, int y, Side 
     return;
   }
   tree.masks[slot(tree, k, bx, by)] |= bit_of(opposite(side));
-  if (k > 1) open({tile, k, bx, by, bit_of(opposite(side))});
+  if (k > 1) add_pending({tile, k, bx, by, bit_of(opposite(side))});
   enable_centre(tile, k, bx, by);
 }
 
@@ -173,7 +173,7 @@ void BisectionForest::enable_beyond(const Tree& tree, int k, int x, int y, Side 
   const std::int64_t size = tree.spacing << k;
   const bool level = side == south || side == north;
   const std::int64_t from = level ? tree.corner.x + x * size : tree.corner.y + y * size;
-  for (const Beside& beyond : tree.beside[side]) {
+  for (const Neighbour& beyond : tree.neighbours[side]) {
     if (from + size / 2 <= beyond.low || from + size / 2 >= beyond.high) continue;
     const Tree& other = trees_[beyond.tile];
     if (size < 2 * other.spacing) return;

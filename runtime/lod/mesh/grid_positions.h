@@ -11,11 +11,12 @@
 
 namespace cairn {
 
-/// Geocentric positions of a square grid of places: the sines and cosines of each column and row are worked
-/// out once. Errors are some nanometres.
+/// Geocentric positions of the samples of a square grid, to within some nanometres.
+/// The sines and cosines of each column and row are worked out once.
 class GridPositions {
  public:
-  /// `side` columns and rows from the corner to the east and the north.
+  /// The grid has `side` columns and rows, from the corner to the east and the north, `spacing` lattice units
+  /// apart.
   GridPositions(const LatticePoint& corner, std::int64_t spacing, int side);
 
   glm::dvec3 at(int column, int row, double height_m) const {
@@ -25,7 +26,7 @@ class GridPositions {
     return {across * c.cosine, across * c.sine, (r.polar_normal + height_m) * r.sine};
   }
 
-  /// Unit vector out of the ellipsoid.
+  /// Returns the ellipsoid's unit normal.
   glm::dvec3 up_at(int column, int row) const {
     const Row& r = rows_[static_cast<std::size_t>(row)];
     const Column& c = columns_[static_cast<std::size_t>(column)];
@@ -38,7 +39,7 @@ class GridPositions {
   struct Row {
     double cosine, sine;
     double normal;        ///< radius of curvature in the prime vertical, metres
-    double polar_normal;  ///< the same times (b/a)²
+    double polar_normal;  ///< normal · (b/a)²
   };
   std::span<const Column> columns() const { return columns_; }
   std::span<const Row> rows() const { return rows_; }

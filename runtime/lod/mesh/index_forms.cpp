@@ -43,7 +43,7 @@ class Grid {
     return out;
   }
 
-  /// Rows to and fro; one more index at each row's end turns the strip, and another keeps it facing up.
+  /// Rows run to and fro. At each row's end one more index turns the strip, another keeps its orientation.
   Indices degenerate_strip() const {
     Indices out;
     for (int r = 0; r + 1 < rows_; ++r) {

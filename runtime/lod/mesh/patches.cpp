@@ -35,7 +35,7 @@ GeoBounds bounds_of(const TileWindow& window, const Patch& patch) {
   return {low.lon, low.lat, high.lon, high.lat};
 }
 
-/// Of the samples of one cell of the decimated grid, in quanta.
+/// Returns the largest error of the samples in one cell of the decimated grid, in quanta.
 double cell_error(const TileWindow& window, int column, int row, int step) {
   const double sw = window.quanta(column, row), se = window.quanta(column + step, row);
   const double nw = window.quanta(column, row + step), ne = window.quanta(column + step, row + step);
@@ -50,7 +50,7 @@ double cell_error(const TileWindow& window, int column, int row, int step) {
   return worst;
 }
 
-double chord_error_m(const TileWindow& window, const Patch& patch, int step) {
+double sagitta_of_grid_m(const TileWindow& window, const Patch& patch, int step) {
   const GeoBounds bounds = bounds_of(window, patch);
   const double radian = std::numbers::pi / 180;
   const double angle = bounds.width() * radian * step / patch.cells;
@@ -61,7 +61,7 @@ double chord_error_m(const TileWindow& window, const Patch& patch, int step) {
 
 }  // namespace
 
-std::vector<float> patch_errors(const LodScene& scene, const LodTile& tile, const Patch& patch, int steps) {
+std::vector<float> patch_errors_m(const LodScene& scene, const LodTile& tile, const Patch& patch, int steps) {
   const TileWindow window(scene, tile);
   std::vector<float> errors;
   for (int k = 0; k < steps && 1 << k <= patch.cells; ++k) {
@@ -72,8 +72,8 @@ std::vector<float> patch_errors(const LodScene& scene, const LodTile& tile, cons
         worst = std::max(worst, cell_error(window, c, r, step));
       }
     }
-    const double chords = k > 0 ? chord_error_m(window, patch, step) : 0;
-    errors.push_back(static_cast<float>(worst * scene.quantum_m + chords));
+    const double sagitta_m = k > 0 ? sagitta_of_grid_m(window, patch, step) : 0;
+    errors.push_back(static_cast<float>(worst * scene.quantum_m + sagitta_m));
   }
   return errors;
 }
@@ -88,7 +88,7 @@ std::vector<Patch> Patches::make(const LodScene& scene, const LodTile& tile) con
       Patch patch{column, row, cells, {}, {}};
       const Heights heights = heights_of(window, patch, scene.quantum_m);
       patch.volume = bounding_volume(bounds_of(window, patch), heights.low, heights.high, occluder);
-      patch.errors_m = patch_errors(scene, tile, patch, error_steps_);
+      patch.errors_m = patch_errors_m(scene, tile, patch, error_steps_);
       patches.push_back(std::move(patch));
     }
   }
@@ -96,9 +96,9 @@ std::vector<Patch> Patches::make(const LodScene& scene, const LodTile& tile) con
 }
 
 void Patches::prepare(const LodScene& scene) {
-  std::unordered_set<TileId> wanted;
-  for (const LodTile& tile : scene.tiles) wanted.insert(tile.area);
-  std::erase_if(kept_, [&](const auto& item) { return !wanted.contains(item.first); });
+  std::unordered_set<TileId> areas;
+  for (const LodTile& tile : scene.tiles) areas.insert(tile.area);
+  std::erase_if(kept_, [&](const auto& item) { return !areas.contains(item.first); });
   for (const LodTile& tile : scene.tiles) {
     Kept& kept = kept_[tile.area];
     if (kept.patches.empty() || kept.source != tile.source) kept = {tile.source, make(scene, tile)};
@@ -115,7 +115,7 @@ std::uint64_t Patches::bytes() const {
 
 namespace {
 
-/// Draws chosen patches, each joined to its neighbours of one kind.
+/// Draws chosen patches, each joined to neighbours of its own size and spacing.
 class PatchMesher {
  public:
   PatchMesher(const LodScene& scene, std::span<const ChosenPatch> chosen) : scene_(scene), chosen_(chosen) {
@@ -153,7 +153,7 @@ class PatchMesher {
     return static_cast<std::uint32_t>(row * side + column);
   }
 
-  /// The nearest place that the neighbour has too.
+  /// Returns the nearest place at which the neighbour has a vertex too.
   static int moved(int along, int step) { return (along + step / 2) / step * step; }
 
   LatticePoint corner_of(const ChosenPatch& chosen) const {
@@ -161,7 +161,7 @@ class PatchMesher {
     return canonical(window.point(chosen.patch->column, chosen.patch->row));
   }
 
-  /// Samples between the vertices that this patch and the one beside it both have.
+  /// Returns the spacing, in samples, of the vertices that this patch and the one beside it have in common.
   int step_beside(std::size_t index, int dx, int dy) const {
     const ChosenPatch& mine = chosen_[index];
     const TileWindow window(scene_, scene_.tiles[mine.tile]);
@@ -177,7 +177,7 @@ class PatchMesher {
     return alike ? std::max(own, 1 << other.step) : own;
   }
 
-  /// The strip of a grid is made once a size, as [0] precomputes one index buffer a level of detail.
+  /// A grid's strip is made once per size, as Vaněk & Ježek (2004) precompute one index buffer per level.
   const std::vector<LodTriangle>& triangles_of(int side) const {
     std::vector<LodTriangle>& made = triangles_[side];
     if (made.empty()) made = triangles_of_strip(grid_indices(IndexForm::degenerate_strip, side, side));

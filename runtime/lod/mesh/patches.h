@@ -6,26 +6,27 @@
 #include <unordered_map>
 #include <vector>
 
-#include "runtime/lod/mesh/cpu_clock.h"
+#include "runtime/lod/mesh/build_mesh.h"
 #include "runtime/lod/mesh/lod_scene.h"
-#include "runtime/lod/mesh/remove_t_junctions.h"
+#include "runtime/lod/mesh/tile_culling.h"
+#include "runtime/view/view_frustum.h"
 
 namespace cairn {
 
-/// A square part of a tile's window that is drawn as one grid, with what is known of it from loading.
+/// A square part of a tile's window that is drawn as one grid, and what was worked out at loading.
 struct Patch {
   int column = 0;  ///< its south-west sample, in the tile's window
   int row = 0;
   int cells = 0;                ///< sample intervals along a side: a power of two
-  BoundingVolume volume;        ///< without its horizon point where the patch is a part of a tile
-  std::vector<float> errors_m;  ///< of every 2^k-th sample; see patch_errors
+  BoundingVolume volume;        ///< without a horizon point where the patch is a part of a tile
+  std::vector<float> errors_m;  ///< by k, of the grid of every 2^k-th sample: patch_errors_m()
 };
 
 /// The patches of each tile of a scene, kept while the scene has the tile.
 class Patches {
  public:
-  /// Patches of `cells` intervals, or as large as the window where that is smaller. `error_steps` entries of
-  /// errors_m are worked out; 0 for none.
+  /// Makes patches of `cells` intervals, or as large as the window where that is smaller, with `error_steps`
+  /// entries of errors_m each.
   Patches(int cells, int error_steps) : cells_(cells), error_steps_(error_steps) {}
 
   void prepare(const LodScene& scene);
@@ -44,10 +45,10 @@ class Patches {
   std::unordered_map<TileId, Kept> kept_;
 };
 
-/// Entry k: the largest vertical distance of a patch's samples from the grid of its every 2^k-th sample, with
-/// diagonals from south-west to north-east, plus what the grid's chords lose on the Earth's curvature,
-/// R(δφ²+δλ²cos²φ)/8, the error of linear interpolation.
-std::vector<float> patch_errors(const LodScene& scene, const LodTile& tile, const Patch& patch, int steps);
+/// Returns for each k < steps the largest distance, in metres, of a patch's samples from a decimated grid.
+/// The grid has every 2^k-th sample and diagonals from south-west to north-east. The distance is the vertical
+/// one plus the sagitta of the Earth's curvature over a cell, R(δφ²+δλ²cos²φ)/8.
+std::vector<float> patch_errors_m(const LodScene& scene, const LodTile& tile, const Patch& patch, int steps);
 
 /// A patch to draw with every 2^step-th sample.
 struct ChosenPatch {
@@ -56,24 +57,32 @@ struct ChosenPatch {
   int step = 0;
 };
 
-/// Appends the patches' grids, grouped by tile. Where two of one size and spacing meet, within a tile or
-/// across tiles, the vertices of the finer that the coarser has not are moved onto the next that it has, so
-/// that its edge triangles collapse: [0, Fig. 4]; leaving those vertices out, as [1, Fig. 3] does, gives the
-/// same triangles. Patches of other sizes are left to remove_t_junctions(). REQUIRES: ascending tiles.
+/// Appends the patches' grids, grouped by tile. REQUIRES: `chosen` is in ascending order of tiles.
+///
+/// Where two patches of one size and spacing meet, within a tile or across tiles, the finer one's vertices
+/// that the coarser one lacks are moved onto the nearest that it has, so that edge triangles collapse (Vaněk
+/// & Ježek 2004, fig. 4). To leave these vertices out gives equal triangles (Agrawal et al. 2006, fig. 3).
+/// Patches of different sizes are left to remove_t_junctions().
 void append_patches(const LodScene& scene, std::span<const ChosenPatch> chosen, LodMesh& mesh);
 
-/// The mesh of what choose() returns, a vector of ChosenPatch: appended, joined and timed.
-template <class Choose>
-LodMesh mesh_of_patches(const LodScene& scene, const Choose& choose) {
-  const double start = thread_cpu_s();
-  const std::vector<ChosenPatch> chosen = choose();
-  const double selected = thread_cpu_s();
-  LodMesh mesh;
-  append_patches(scene, chosen, mesh);
-  remove_t_junctions(scene, mesh);
-  mesh.selection_s = selected - start;
-  mesh.building_s = thread_cpu_s() - selected;
-  return mesh;
+/// Returns the mesh of all patches that may be visible, each with the step that step_of(tile, patch) returns.
+template <class StepOf>
+LodMesh mesh_of_patches(const LodScene& scene, const LodView& view, const Patches& patches,
+                        const StepOf& step_of) {
+  const auto choose = [&] {
+    const ViewFrustum frustum(view.view, Occluder(scene.lowest_m));
+    std::vector<ChosenPatch> chosen;
+    for (const std::size_t index : tiles_in_view(scene, view)) {
+      const LodTile& tile = scene.tiles[index];
+      for (const Patch& patch : patches.of(tile)) {
+        if (!view.cull || frustum.sees(patch.volume)) chosen.push_back({index, &patch, step_of(tile, patch)});
+      }
+    }
+    return chosen;
+  };
+  return build_mesh(scene, choose, [&](const std::vector<ChosenPatch>& chosen, LodMesh& mesh) {
+    append_patches(scene, chosen, mesh);
+  });
 }
 
 }  // namespace cairn

@@ -7,9 +7,10 @@
 
 namespace cairn {
 
-/// What a method works out for each tile of a scene when it is loaded, by the tile that has the heights, and
-/// keeps while the scene has it. `Prepared` is made from (scene, tile, between_samples), the last saying
-/// whether places between the samples count, as they do where the tile stands for finer ones; it has bytes().
+/// Keeps what a method works out for each tile when it is loaded, for as long as the scene has the tile.
+/// Entries are by the tile that has the heights. `Prepared` is constructed from (scene, tile,
+/// between_samples) and has bytes(); between_samples says that places between the samples count, because the
+/// tile stands for finer ones.
 template <class Prepared>
 class PreparedTiles {
  public:
@@ -17,8 +18,8 @@ class PreparedTiles {
     std::unordered_map<TileId, bool> between_samples;
     for (const LodTile& tile : scene.tiles) between_samples[tile.source] |= tile.error_m > 0;
     std::erase_if(kept_, [&](const auto& item) {
-      const auto wanted = between_samples.find(item.first);
-      return wanted == between_samples.end() || wanted->second != item.second.between_samples;
+      const auto needed = between_samples.find(item.first);
+      return needed == between_samples.end() || needed->second != item.second.between_samples;
     });
     for (const LodTile& tile : scene.tiles) {
       if (kept_.contains(tile.source)) continue;

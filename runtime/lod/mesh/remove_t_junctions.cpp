@@ -7,7 +7,7 @@
 namespace cairn {
 namespace {
 
-/// A vertex on a line of constant longitude or latitude, at a place along it.
+/// A vertex on a line of constant longitude or latitude; `along` is its place on the line.
 struct LineVertex {
   std::int64_t along = 0;
   double height_m = 0;
@@ -25,7 +25,7 @@ struct Area {
   LatticePoint high;
 };
 
-/// Every vertex on the areas' borders, by the line that it lies on.
+/// All vertices on the areas' borders, by the line that they lie on.
 class BorderVertices {
  public:
   BorderVertices(const LodScene& scene, const LodMesh& mesh) {
@@ -37,11 +37,12 @@ class BorderVertices {
       }
     }
     for (Lines* lines : {&vertical_, &horizontal_}) {
-      for (auto& [at, line] : *lines) sort_each_once(line);
+      for (auto& [at, line] : *lines) sort_unique(line);
     }
   }
 
-  /// The vertex in the middle of those strictly between the ends of an edge on a border; nullopt if none is.
+  /// Returns the middle one of the vertices strictly between the ends of an edge on a border, nullopt if
+  /// there is none.
   std::optional<LodVertex> between(const LatticePoint& a, const LatticePoint& b) const {
     const bool upright = a.x == b.x;
     const Line& line = upright ? vertical_.at(canonical(a).x) : horizontal_.at(a.y);
@@ -56,7 +57,7 @@ class BorderVertices {
   }
 
  private:
-  static void sort_each_once(Line& line) {
+  static void sort_unique(Line& line) {
     std::sort(line.begin(), line.end(),
               [](const LineVertex& a, const LineVertex& b) { return a.along < b.along; });
     line.erase(std::unique(line.begin(), line.end(),
@@ -68,7 +69,7 @@ class BorderVertices {
   Lines horizontal_;
 };
 
-/// Splits one tile's triangles.
+/// Splits the triangles of one tile.
 class Splitter {
  public:
   Splitter(const Area& area, const BorderVertices& borders, LodTileMesh& mesh)
@@ -80,8 +81,8 @@ class Splitter {
   }
 
  private:
-  /// Halves the triangle at the vertex in the middle of an edge's, until no edge has any. Where one edge
-  /// alone has some, this is the fan around the opposite corner.
+  /// Halves the triangle at the middle one of the vertices on an edge, until no edge has any. Where only one
+  /// edge has vertices, the result is the fan around the opposite corner.
   void split(std::size_t index) {
     for (std::size_t side = 0; side < 3; ++side) {
       const LodTriangle t = mesh_.triangles[index];
@@ -116,14 +117,14 @@ class Splitter {
   std::unordered_map<LatticePoint, std::uint32_t> inserted_;
 };
 
-struct Decided {
+struct BorderHeight {
   int level = kMinLevel - 1;
   double height_m = 0;
 };
 
-/// Gives every vertex on a border the height of the finest source that has it; among equals the lowest.
-void settle_heights(const LodScene& scene, LodMesh& mesh) {
-  std::unordered_map<LatticePoint, Decided> decided;
+/// Gives every vertex on a border the height of the finest source that has it, among equals the lowest.
+void unify_border_heights(const LodScene& scene, LodMesh& mesh) {
+  std::unordered_map<LatticePoint, BorderHeight> heights;
   const auto for_border = [&](auto use) {
     for (LodTileMesh& tile : mesh.tiles) {
       const Area area(scene.tiles[tile.tile].area);
@@ -134,10 +135,10 @@ void settle_heights(const LodScene& scene, LodMesh& mesh) {
   };
   for_border([&](std::size_t tile, const LodVertex& v) {
     const int level = scene.tiles[tile].source.level;
-    Decided& d = decided[canonical(v.point)];
+    BorderHeight& d = heights[canonical(v.point)];
     if (level > d.level || (level == d.level && v.height_m < d.height_m)) d = {level, v.height_m};
   });
-  for_border([&](std::size_t, LodVertex& v) { v.height_m = decided.at(canonical(v.point)).height_m; });
+  for_border([&](std::size_t, LodVertex& v) { v.height_m = heights.at(canonical(v.point)).height_m; });
 }
 
 bool has_voids(const LodScene& scene) {
@@ -152,7 +153,7 @@ void remove_t_junctions(const LodScene& scene, LodMesh& mesh) {
 }
 
 void remove_t_junctions(const LodScene& scene, std::span<const char> lacking, LodMesh& mesh) {
-  if (has_voids(scene)) settle_heights(scene, mesh);
+  if (has_voids(scene)) unify_border_heights(scene, mesh);
   const auto lacks = [&](const LodTileMesh& tile) { return lacking[tile.tile] != 0; };
   if (std::none_of(mesh.tiles.begin(), mesh.tiles.end(), lacks)) return;
   const BorderVertices borders(scene, mesh);

@@ -6,18 +6,20 @@
 
 namespace cairn {
 
-/// Joins the meshes of tiles of any levels without cracks: a triangle with an edge on its area's border is
-/// split at every vertex that the neighbour has there, all parts meeting in the opposite corner (T-junction
-/// removal). Where voids make two tiles' fillers disagree about a vertex, both take that of the finer source.
+/// Joins the meshes of tiles of any levels without cracks, by removing T-junctions on their borders.
 ///
-/// REQUIRES: each tile's mesh has no T-junctions inside its area, and a vertex at each of its corners.
+/// A triangle with an edge on its area's border is split at every vertex that the neighbour has there; all
+/// parts meet in the opposite corner. Where voids make two tiles' fillers differ at a vertex, both take the
+/// height of the finer source. REQUIRES: each tile's mesh has no T-junction inside its area, and a vertex at
+/// each of the area's corners.
 ///
-/// What it does to accuracy: a split triangle follows its neighbour's border. Where the triangle was within
-/// δ of the tile's surface, that within g of the finest, and the inserted vertices are on the finest surface,
-/// the parts are within 2(δ+g) of it: a method that promises a tolerance keeps triangles on borders between
-/// different levels within half of it, or has the vertices of both sides itself.
+/// Accuracy: a split triangle follows its neighbour's border. If the triangle was within δ of the tile's
+/// surface, that surface within g of the finest one, and the inserted vertices are on the finest surface,
+/// then the parts are within 2(δ+g) of it. A method that keeps a tolerance must keep triangles on borders
+/// between different levels within half of it, or have the vertices of both sides.
 void remove_t_junctions(const LodScene& scene, LodMesh& mesh);
-/// The same where only the tiles that are not 0 here, by number, lack vertices of their neighbours.
+/// Splits triangles of only those tiles whose entry in `lacking` is not 0: the others have all vertices of
+/// their neighbours. `lacking` has one entry for each tile of the scene.
 void remove_t_junctions(const LodScene& scene, std::span<const char> lacking, LodMesh& mesh);
 
 }  // namespace cairn

@@ -7,39 +7,39 @@
 #include <glm/vec3.hpp>
 
 #include "cairn/height_tile.h"
-#include "runtime/lod/mesh/grid_positions.h"
 #include "cairn/view_state.h"
+#include "runtime/lod/mesh/grid_positions.h"
 
 namespace cairn {
 
-/// Samples of one row of a tile: `count` from (column, row) to the east.
+/// `count` consecutive samples of one row of a tile, from (column, row) to the east.
 struct SampleRow {
   int column = 0;
   int row = 0;
   int count = 0;
 };
 
-/// The rows that a convex part of a tile covers, its edges included: from the south. Corners are (column,
-/// row), in order. REQUIRES: edges run along the grid or diagonally, so that they meet rows in samples; at
-/// most `rows` of them.
+/// Returns the rows that a convex polygon covers, its edges included, from the south.
+/// Corners are (column, row), in order; `rows` is the memory for the result. REQUIRES: edges run along the
+/// grid or diagonally, so that they meet each row in a sample; the polygon covers at most rows.size() rows.
 std::span<const SampleRow> rows_of(std::span<const std::array<int, 2>> corners, std::span<SampleRow> rows);
 
-/// A camera's axes, and where the eye is along them.
+/// A camera's axes, and its own position along them.
 struct SampleCamera {
   explicit SampleCamera(const CameraFrame& frame);
   glm::dvec3 right, up, forward;
-  glm::dvec3 eye;
+  glm::dvec3 position;
 };
 
-/// A picture at depth 1.
-struct PictureLimits {
+/// The viewport and the tolerance at depth 1; nearest_m is the least depth, in metres, of what is visible.
+struct ViewportLimits {
   double half_width;
   double half_height;
   double nearest_m;
   double tolerance;
 };
 
-/// A flat triangle, in the camera, at the samples of a tile: at (column, row) it is
+/// The plane of a flat triangle, in camera coordinates: at sample (column, row) it is at
 /// at + column·by_column + row·by_row.
 struct DrawnPlane {
   glm::dvec3 at;
@@ -47,10 +47,10 @@ struct DrawnPlane {
   glm::dvec3 by_row;
 };
 
-/// Whether any of the samples that is in the picture is off its place on the plane by more than the
-/// tolerance, or has it beside or behind the eye. The horizon hides none.
-bool any_is_off(std::span<const SampleRow> rows, const HeightTile& heights, double quantum_m,
-                const GridPositions& positions, const SampleCamera& camera, const DrawnPlane& plane,
-                const PictureLimits& limits);
+/// Returns whether any visible sample's projection is farther than the tolerance from that of its place on
+/// the plane, or has that place closer than nearest_m. REQUIRES: the horizon hides no sample.
+bool any_sample_exceeds(std::span<const SampleRow> rows, const HeightTile& heights, double quantum_m,
+                        const GridPositions& positions, const SampleCamera& camera, const DrawnPlane& plane,
+                        const ViewportLimits& limits);
 
 }  // namespace cairn

@@ -13,22 +13,22 @@
 namespace cairn {
 namespace {
 
-/// Radians between the ellipsoid's normal under a point and the gradient of its equation there: e²h/2a, at
-/// most, less than this within 20 km of it.
+/// Bound, in radians, of the angle between the ellipsoid's normal under a point and the gradient of the
+/// ellipsoid's equation at the point. The angle is at most e²h/2a; the bound holds for |h| <= 20 km.
 constexpr double kNormalTilt = 2e-5;
 
-/// The ellipsoid's normal turns by a radian over no less than this: its least radius of curvature, a(1−e²),
-/// from 15 km below.
+/// Over a distance d the ellipsoid's normal turns by at most d / kNormalTurn_m radians: the least radius of
+/// curvature, a(1−e²), less 15 km for places below the ellipsoid.
 constexpr double kNormalTurn_m = 6.32e6;
 
-/// Up, where the ellipsoid's normal goes through the point.
+/// Unit vector along the gradient of the ellipsoid's equation at the point: up, to within kNormalTilt.
 glm::dvec3 up_at(const glm::dvec3& point) {
   constexpr double a = kEquatorialRadius, b = kPolarRadius;
   return glm::normalize(point / glm::dvec3(a * a, a * a, b * b));
 }
 
-/// A sphere is small where its radius is at most this share of its depth: what is asked for its nearest point
-/// is a thirtieth more than for its middle, then.
+/// A sphere is small if its radius is at most this fraction of its depth. The scale at its nearest point is
+/// then at most 1/31 larger than at its centre.
 constexpr double kSmall = 1.0 / 32;
 
 }  // namespace
@@ -36,7 +36,7 @@ constexpr double kSmall = 1.0 / 32;
 ScreenErrorBudget::ScreenErrorBudget(const LodView& view, double lowest_m)
     : horizon_(camera_frame(view.view).position, Occluder(lowest_m)), tolerance_px_(view.tolerance_px) {
   const CameraFrame camera = camera_frame(view.view);
-  eye_ = camera.position;
+  position_ = camera.position;
   forward_ = camera.forward;
   right_ = camera.right;
   up_ = camera.up;
@@ -50,14 +50,15 @@ ScreenErrorBudget::ScreenErrorBudget(const LodView& view, double lowest_m)
   corner_cosine_ = 1 / std::hypot(1.0, high, wide);
 }
 
-ScreenErrorBudget::Scale ScreenErrorBudget::scale_of(const SquareSphere& sphere) const {
+ScreenErrorBudget::ProjectedScale ScreenErrorBudget::scale_of(const SquareSphere& sphere) const {
   return scale_of(sphere, up_at(sphere.centre));
 }
 
-ScreenErrorBudget::Scale ScreenErrorBudget::scale_of(const SquareSphere& sphere, const glm::dvec3& up) const {
-  const glm::dvec3 to = sphere.centre - eye_;
+ScreenErrorBudget::ProjectedScale ScreenErrorBudget::scale_of(const SquareSphere& sphere,
+                                                              const glm::dvec3& up) const {
+  const glm::dvec3 to = sphere.centre - position_;
   const double distance = glm::length(to), radius = sphere.radius_m, far = distance + radius;
-  Scale scale;
+  ProjectedScale scale;
   scale.depth_m = std::max(glm::dot(to, forward_) - radius, (distance - radius) * corner_cosine_);
   if (scale.depth_m <= 0) return scale;
   const double z = glm::dot(to, forward_), up_z = glm::dot(up, forward_);
@@ -70,19 +71,19 @@ ScreenErrorBudget::Scale ScreenErrorBudget::scale_of(const SquareSphere& sphere,
   return scale;
 }
 
-ScreenErrorBudget::Scale ScreenErrorBudget::scale_from(double distance_m) const {
+ScreenErrorBudget::ProjectedScale ScreenErrorBudget::scale_from(double distance_m) const {
   const double px = focal_px_ / corner_cosine_;
   return {distance_m * corner_cosine_, px, px, false};
 }
 
-ScreenErrorBudget::Room ScreenErrorBudget::room_of(const Scale& scale) const {
+ScreenErrorBudget::Headroom ScreenErrorBudget::headroom_of(const ProjectedScale& scale) const {
   if (scale.depth_m <= 0) return {-1, 0};
   const double per_px = 1 / (scale.vertical_px + tolerance_px_);
   return {tolerance_px_ * scale.depth_m * per_px, (scale.any_px + tolerance_px_) * per_px};
 }
 
-bool ScreenErrorBudget::sees(const SquareSphere& sphere) const {
-  const glm::dvec3 to = sphere.centre - eye_;
+bool ScreenErrorBudget::may_be_visible(const SquareSphere& sphere) const {
+  const glm::dvec3 to = sphere.centre - position_;
   return std::all_of(inward_.begin(), inward_.end(),
                      [&](const glm::dvec3& n) { return glm::dot(n, to) >= -sphere.radius_m; }) &&
          !horizon_.hides(sphere.centre, sphere.radius_m);

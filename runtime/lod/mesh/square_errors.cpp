@@ -14,7 +14,7 @@
 namespace cairn {
 namespace {
 
-constexpr int kDroppedBits = 15;  // of a float: its sign is 0, so that sixteen are left
+constexpr int kDroppedBits = 15;  // a length's sign bit is 0, so that sixteen bits of the float are left
 
 std::int32_t bits_of(float length) {
   return std::bit_cast<std::int32_t>(length);
@@ -22,12 +22,12 @@ std::int32_t bits_of(float length) {
 
 }  // namespace
 
-std::uint16_t round_up(float length_m) {
+std::uint16_t encode_rounding_up(float length_m) {
   assert(length_m >= 0 && length_m < 1e30f);
   return static_cast<std::uint16_t>((bits_of(length_m) + (1 << kDroppedBits) - 1) >> kDroppedBits);
 }
 
-int round_down(float length_m) {
+int encode_rounding_down(float length_m) {
   return length_m >= 0 ? bits_of(length_m) >> kDroppedBits : -1;
 }
 
@@ -45,8 +45,8 @@ SquareErrors::SquareErrors(const LodScene& scene, const LodTile& tile, bool betw
   }
   squares_.resize(squares);
   fill(heights, vertex_errors_m(heights, tile.source, scene.quantum_m, between_samples));
-  const std::vector<std::array<double, 2>> ranges = ranges_m(heights, scene.quantum_m);
-  measure_chords(ranges, tile.max_m);
+  const std::vector<std::array<double, 2>> ranges = height_ranges_m(heights, scene.quantum_m);
+  measure_sagittas(ranges, tile.max_m);
   place_spheres(heights, ranges);
 }
 
@@ -61,20 +61,22 @@ void SquareErrors::fill(const HeightTile& heights, const std::vector<float>& err
       for (int x = 0; x < 1 << (levels_ - k); ++x) {
         SquareError& square = squares_[slot(k, x, y)];
         const int c = (2 * x + 1) * h, r = (2 * y + 1) * h;
-        square.centre = round_up(error(c, r));
-        square.middles = {round_up(error(c, r - h)), round_up(error(c + h, r)), round_up(error(c, r + h)),
-                          round_up(error(c - h, r))};
-        square.below =
+        square.centre = encode_rounding_up(error(c, r));
+        square.middles = {encode_rounding_up(error(c, r - h)), encode_rounding_up(error(c + h, r)),
+                          encode_rounding_up(error(c, r + h)), encode_rounding_up(error(c - h, r))};
+        square.max_within =
             std::max(square.centre, *std::max_element(square.middles.begin(), square.middles.end()));
         for (int q = 0; k > 1 && q < 4; ++q)
-          square.below = std::max(square.below, at(k - 1, 2 * x + (q & 1), 2 * y + (q >> 1)).below);
+          square.max_within =
+              std::max(square.max_within, at(k - 1, 2 * x + (q & 1), 2 * y + (q >> 1)).max_within);
       }
     }
   }
 }
 
-/// The least and the largest height in each square that has a sphere, by slot.
-std::vector<std::array<double, 2>> SquareErrors::ranges_m(const HeightTile& heights, double quantum_m) const {
+/// Returns the least and the largest height in each square that has a sphere, by slot.
+std::vector<std::array<double, 2>> SquareErrors::height_ranges_m(const HeightTile& heights,
+                                                                 double quantum_m) const {
   const int least = std::min(kSphereLevel, levels_);
   std::vector<std::array<double, 2>> ranges(
       slot(least, (1 << (levels_ - least)) - 1, (1 << (levels_ - least)) - 1) + 1);
@@ -104,17 +106,18 @@ std::vector<std::array<double, 2>> SquareErrors::ranges_m(const HeightTile& heig
   return ranges;
 }
 
-void SquareErrors::measure_chords(const std::vector<std::array<double, 2>>& ranges, double highest_m) {
-  /// 0.39 of the longer leg; that of a middle's triangles is 1/√2 of a centre's, and they take half of this.
+void SquareErrors::measure_sagittas(const std::vector<std::array<double, 2>>& ranges, double highest_m) {
+  /// 0.39 times the longer leg is the bound. A triangle bisected at a middle has legs 1/√2 as long as one
+  /// bisected at a centre, but uses half of sagitta_m(); √2 makes that half large enough.
   constexpr double kLean = 0.39 * std::numbers::sqrt2;
-  const double of_cell = chord_of_cell_m(cell_radians_, highest_m);
+  const double of_cell = sagitta_of_cell_m(cell_radians_, highest_m);
   for (int k = 0; k <= levels_; ++k) {
     const int ranged = std::max(k, std::min(kSphereLevel, levels_)), side = 1 << (levels_ - ranged);
     double rise = 0;
     for (std::size_t i = slot(ranged, 0, 0); i <= slot(ranged, side - 1, side - 1); ++i)
       rise = std::max(rise, ranges[i][1] - ranges[i][0]);
     const double cells = 1 << k;
-    chords_m_[static_cast<std::size_t>(k)] = of_cell * cells * cells + kLean * rise * cells * cell_radians_;
+    sagittas_m_[static_cast<std::size_t>(k)] = of_cell * cells * cells + kLean * rise * cells * cell_radians_;
   }
 }
 
@@ -126,7 +129,7 @@ void SquareErrors::place_spheres(const HeightTile& heights,
     for (int y = 0; y < 1 << (levels_ - k); ++y) {
       for (int x = 0; x < 1 << (levels_ - k); ++x) {
         const auto& [low, high] = ranges[slot(k, x, y)];
-        spheres_[slot(k, x, y)] = near_sphere(sphere_over(k, x, y, low, high));
+        spheres_[slot(k, x, y)] = local_sphere(sphere_over(k, x, y, low, high));
       }
     }
   }
@@ -141,11 +144,11 @@ SquareSphere SquareErrors::sphere_over(int k, int x, int y, double low_m, double
       sphere.radius_m = std::max(sphere.radius_m, glm::length(corner - sphere.centre));
     }
   }
-  sphere.radius_m += chord_m(k);
+  sphere.radius_m += sagitta_m(k);
   return sphere;
 }
 
-SquareErrors::NearSphere SquareErrors::near_sphere(const SquareSphere& sphere) const {
+SquareErrors::LocalSphere SquareErrors::local_sphere(const SquareSphere& sphere) const {
   const glm::vec3 centre(sphere.centre - middle_);
   const double lost = glm::length(glm::dvec3(centre) + middle_ - sphere.centre);
   return {centre, std::nextafter(static_cast<float>(sphere.radius_m + lost), HUGE_VALF)};
@@ -153,12 +156,12 @@ SquareErrors::NearSphere SquareErrors::near_sphere(const SquareSphere& sphere) c
 
 SquareSphere SquareErrors::sphere(int k, int x, int y) const {
   const int up = std::max(0, std::min(kSphereLevel, levels_) - k);
-  const NearSphere& near = spheres_[slot(k + up, x >> up, y >> up)];
-  return {middle_ + glm::dvec3(near.centre), static_cast<double>(near.radius_m)};
+  const LocalSphere& local = spheres_[slot(k + up, x >> up, y >> up)];
+  return {middle_ + glm::dvec3(local.centre), static_cast<double>(local.radius_m)};
 }
 
 std::uint64_t SquareErrors::bytes() const {
-  return positions_.bytes() + squares_.size() * sizeof(SquareError) + spheres_.size() * sizeof(NearSphere);
+  return positions_.bytes() + squares_.size() * sizeof(SquareError) + spheres_.size() * sizeof(LocalSphere);
 }
 
 }  // namespace cairn

@@ -19,10 +19,10 @@ struct Range {
   double high = -HUGE_VAL;
 };
 
-/// A tile's samples below flat triangles, in quanta.
-class Meter {
+/// Measures how far flat triangles are above the samples of a tile, in quanta.
+class TriangleResiduals {
  public:
-  Meter(const HeightTile& heights, bool between_samples)
+  TriangleResiduals(const HeightTile& heights, bool between_samples)
       : heights_(heights), between_samples_(between_samples), rows_(static_cast<std::size_t>(heights.size)) {}
 
   std::array<Range, SubtriangleErrorRanges::kParts> measure(const Triangle& triangle) {
@@ -34,7 +34,7 @@ class Meter {
   }
 
  private:
-  /// The plane h = at_origin + east·column + north·row.
+  /// Lays the plane h = at_origin + east·column + north·row through the corners.
   void lay_through(const Triangle& triangle) {
     const auto& [a, b, c] = triangle;
     const double px = a[0] - c[0], py = a[1] - c[1], qx = b[0] - c[0], qy = b[1] - c[1];
@@ -59,8 +59,8 @@ class Meter {
     return range;
   }
 
-  /// Between samples the plane differs by more from the bilinear surface only where it ends within cells,
-  /// along their diagonals: by a quarter of their twist at most.
+  /// Widens the range so that it holds between samples. The plane is farther from the bilinear surface there
+  /// only where the part ends on diagonals of cells, by at most a quarter of the twist of these cells.
   void widen_by_edges(std::span<const Corner> corners, Range& range) const {
     double twist = 0;
     for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -88,13 +88,13 @@ class Meter {
   double north_ = 0;
 };
 
-SubtriangleErrorRanges::Ranges coded(const std::array<Range, SubtriangleErrorRanges::kParts>& parts,
-                                     double quantum_m) {
+SubtriangleErrorRanges::Ranges encode(const std::array<Range, SubtriangleErrorRanges::kParts>& parts,
+                                      double quantum_m) {
   double most = 0;
   for (const Range& part : parts) most = std::max({most, -part.low, part.high});
   SubtriangleErrorRanges::Ranges ranges;
   ranges.unit_m =
-      std::nextafter(static_cast<float>(most * quantum_m / SubtriangleErrorRanges::kCodes), HUGE_VALF);
+      std::nextafter(static_cast<float>(most * quantum_m / SubtriangleErrorRanges::kMaxCode), HUGE_VALF);
   const double per_quantum = quantum_m / static_cast<double>(ranges.unit_m);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     ranges.least[i] = static_cast<std::int16_t>(std::floor(parts[i].low * per_quantum));
@@ -103,13 +103,13 @@ SubtriangleErrorRanges::Ranges coded(const std::array<Range, SubtriangleErrorRan
   return ranges;
 }
 
-/// The six triangles of a square of s cells, in the order of slot().
+/// Returns the six triangles of a square of s cells, in the order of slot().
 std::array<Triangle, 6> triangles_of(const Corner& south_west, int s, bool rises) {
   const auto [west, south] = south_west;
   const std::array<Corner, 4> corners{
       {{west, south}, {west + s, south}, {west + s, south + s}, {west, south + s}}};
   const Corner centre{west + s / 2, south + s / 2};
-  // The right angle is off the diagonal: at the south, then at the north.
+  // The right angle of a half is the corner that is not on the diagonal: the southern one, then the northern.
   const std::size_t lower = rises ? 1 : 0, upper = lower + 2;
   return {{{corners[lower + 1], corners[(lower + 3) % 4], corners[lower]},
            {corners[(upper + 1) % 4], corners[(upper + 3) % 4], corners[upper]},
@@ -135,16 +135,16 @@ std::array<Corner, 4> SubtriangleErrorRanges::corners_of(const Triangle& triangl
 SubtriangleErrorRanges::SubtriangleErrorRanges(const HeightTile& heights, const TileId& id, double quantum_m,
                                                bool between_samples)
     : levels_(std::bit_width(static_cast<unsigned>(heights.size - 1)) - 1) {
-  Meter meter(heights, between_samples);
+  TriangleResiduals residuals(heights, between_samples);
   constexpr int least = std::countr_zero(static_cast<unsigned>(kLeastSpan));
   for (int k = levels_; k >= least; --k) {
-    first_[static_cast<std::size_t>(k)] = ranges_.size() / kOfSquare;
+    first_[static_cast<std::size_t>(k)] = ranges_.size() / kTrianglesPerSquare;
     const int s = 1 << k;
     for (int row = 0; row + s < heights.size; row += s) {
       for (int column = 0; column + s < heights.size; column += s) {
         const bool rises = diagonal_rises(root_rises(id), heights.size, column, row, s);
         for (const Triangle& triangle : triangles_of({column, row}, s, rises)) {
-          ranges_.push_back(coded(meter.measure(triangle), quantum_m));
+          ranges_.push_back(encode(residuals.measure(triangle), quantum_m));
           std::transform(triangle.begin(), triangle.end(), ranges_.back().quanta.begin(),
                          [&](const Corner& at) { return heights.at(at[0], at[1]); });
         }
@@ -159,9 +159,10 @@ std::size_t SubtriangleErrorRanges::slot(const Triangle& triangle) const {
   const int k = std::countr_zero(static_cast<unsigned>(std::max(columns, rows)));
   const auto square = [&](const Corner& inside) { return slot(k, inside[0] >> k, inside[1] >> k); };
   if (columns == rows)
-    return square({(a[0] + b[0]) / 2, (a[1] + b[1]) / 2}) * kOfSquare + (c[1] > (a[1] + b[1]) / 2 ? 1 : 0);
+    return square({(a[0] + b[0]) / 2, (a[1] + b[1]) / 2}) * kTrianglesPerSquare +
+           (c[1] > (a[1] + b[1]) / 2 ? 1 : 0);
   const std::size_t side = rows == 0 ? (a[1] < c[1] ? 0 : 2) : (a[0] > c[0] ? 1 : 3);
-  return square(c) * kOfSquare + 2 + side;
+  return square(c) * kTrianglesPerSquare + 2 + side;
 }
 
 }  // namespace cairn

@@ -11,53 +11,59 @@
 
 namespace cairn {
 
-/// Where the samples of a tile are below and above the larger flat triangles of its bisection hierarchy, part
-/// by part.
+/// How far the larger flat triangles of a tile's bisection hierarchy are above their samples, part by part.
 ///
-/// Four lines along each leg, a quarter of it apart, cut a triangle into six squares and four triangles at
-/// its base. With p the leg to the base's first corner and q that to its second, part (i, j) has the places
-/// (i..i+1) p/4 + (j..j+1) q/4 from the right angle, i + j <= 3; parts are numbered along p first.
+/// Lines parallel to the legs, a quarter of a leg apart, cut a triangle into ten parts: six squares and,
+/// along its base, four triangles. With p the leg to the base's first corner and q the leg to its second,
+/// part (i, j) has the places (i..i+1) p/4 + (j..j+1) q/4 from the right angle, i + j <= 3. Parts are
+/// numbered along p first.
+///
+/// Worked out once when a tile is loaded, and immutable after that.
 class SubtriangleErrorRanges {
  public:
   static constexpr int kSteps = 4;
   static constexpr std::size_t kParts = 10;
-  /// Triangles with ranges: legs, or the base where that runs along the grid, of so many cells.
+  /// Triangles have ranges if their span is at least so many cells. The span is that of the legs, or of the
+  /// base where the base runs along the grid.
   static constexpr int kLeastSpan = 16;
 
-  /// (column, row) of the tile's samples.
+  /// (column, row) of a sample of the tile.
   using Corner = std::array<int, 2>;
-  /// The base's two corners, then the right angle: anticlockwise.
+  /// The two corners of the base, then the right angle, anticlockwise.
   using Triangle = std::array<Corner, 3>;
 
-  static constexpr int kCodes = std::numeric_limits<std::int16_t>::max();
-  /// A part's corners, in order; a triangle's second is there twice. REQUIRES: part < kParts.
+  static constexpr int kMaxCode = std::numeric_limits<std::int16_t>::max();
+  /// Returns a part's four corners in order; where the part is a triangle, the second one twice. REQUIRES:
+  /// part < kParts.
   static std::array<Corner, 4> corners_of(const Triangle& triangle, std::size_t part);
 
-  /// Of a triangle: how far it is above its parts' samples, at least and at most; below, where negative. In
-  /// units, rounded outwards.
+  /// For each part of a triangle, the range of the triangle's height above the samples, negative where it is
+  /// below them. In units of unit_m, rounded outwards. One cache line, with all that a test reads.
   struct alignas(64) Ranges {
     float unit_m = 0;
     std::array<std::int16_t, kParts> least{};
     std::array<std::int16_t, kParts> most{};
-    std::array<std::int32_t, 3>
-        quanta{};  ///< the samples at its corners: what a look needs is one cache line
+    std::array<std::int32_t, 3> quanta{};  ///< the samples at the triangle's corners
 
-    /// No absolute value is larger; one is that large, to single precision.
-    double most_m() const { return static_cast<double>(unit_m) * kCodes; }
+    /// Returns the largest absolute value of the ranges, in metres, to single precision.
+    double largest_m() const { return static_cast<double>(unit_m) * kMaxCode; }
   };
 
-  /// `between_samples`: all places of the tile's bilinear surface count, not its samples alone.
+  /// With `between_samples` the ranges hold for all places of the tile's bilinear surface, not for its
+  /// samples alone.
   SubtriangleErrorRanges(const HeightTile& heights, const TileId& id, double quantum_m, bool between_samples);
 
-  /// REQUIRES: a triangle of the hierarchy, of kLeastSpan or more.
+  /// Returns the ranges of a triangle. REQUIRES: it belongs to the hierarchy, its span is at least
+  /// kLeastSpan.
   const Ranges& of(const Triangle& triangle) const { return ranges_[slot(triangle)]; }
 
   std::uint64_t bytes() const { return ranges_.size() * sizeof(Ranges); }
 
  private:
-  static constexpr std::size_t kOfSquare = 6;  ///< the halves by the diagonal, a triangle at each edge
+  /// The two halves beside the diagonal, and the triangle at each edge.
+  static constexpr std::size_t kTrianglesPerSquare = 6;
 
-  /// Of a square, in squares.
+  /// Returns the index of square (k, x, y).
   std::size_t slot(int k, int x, int y) const {
     return first_[static_cast<std::size_t>(k)] + (static_cast<std::size_t>(y) << (levels_ - k)) +
            static_cast<std::size_t>(x);
@@ -65,7 +71,7 @@ class SubtriangleErrorRanges {
   std::size_t slot(const Triangle& triangle) const;
 
   int levels_;
-  std::array<std::size_t, 16> first_{};  ///< of each level's squares
+  std::array<std::size_t, 16> first_{};  ///< the index of each level's first square
   std::vector<Ranges> ranges_;
 };
 

@@ -11,16 +11,16 @@
 namespace cairn {
 namespace {
 
-// The points where a triangle's lines meet lie twice in a row: once as the near corners of parts, rows along
-// p one after the other, and once as the far corners, so that part m has the points m, m + 1, kFar + m and
-// kFar + m + 1, and loops over parts read what lies side by side. At the end of each row is a lane that is no
-// part; a far corner beyond the base is drawn onto it.
+// Loops over parts must read consecutive values, so that the compiler makes vectors of them. So each point
+// where a triangle's lines meet is stored twice: once as a near corner of parts, row after row along p, and
+// once as a far corner. Part m has the points m, m + 1, kFar + m and kFar + m + 1. Each row ends with a lane
+// that is no part; a far corner beyond the base is moved onto the base.
 constexpr std::size_t kSteps = SubtriangleErrorRanges::kSteps;
 constexpr std::size_t kLanes = 16;
 constexpr std::size_t kFar = 15;
 constexpr std::size_t kPoints = 32;
 
-/// The first lane of row j.
+/// Returns the first lane of row j.
 constexpr std::size_t row_at(std::size_t j) {
   return j * (kSteps + 1) - j * (j - 1) / 2;
 }
@@ -30,14 +30,14 @@ static_assert(row_at(kSteps) <= kFar && kFar + kLanes < kPoints);
 
 using Points = std::array<float, kPoints>;
 
-/// Times a negative depth, less room than any tolerance leaves.
-constexpr float kNone = 1e20f;
+/// Multiplied with a negative depth, gives a negative headroom that no tolerance makes up for.
+constexpr float kBehindPenalty = 1e20f;
 
-/// Relative, of single precision through some operations.
+/// Bound of the relative rounding error of a few operations in single precision.
 constexpr float kRounding = 1e-6f;
 
-/// The weights of a triangle's corners at the points, and of the quadratics that are 1 at the middle of an
-/// edge and 0 at the others' and at the corners.
+/// For each point, the barycentric weights of p and q, and the values of the quadratics that are 1 at the
+/// middle of one edge and 0 at the other middles and at the corners.
 struct Weights {
   Points p{}, q{};
   Points base{}, along_q{}, along_p{};
@@ -64,34 +64,36 @@ struct Vec {
   float x, y, z;
 };
 
-Vec narrow(const glm::dvec3& v) {
+Vec to_float(const glm::dvec3& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-/// A triangle in single precision: what is linear from the right angle and along p and q.
-struct Narrow {
-  explicit Narrow(const FlatTriangle& t)
-      : drawn{narrow(t.corners[2]), narrow(t.corners[0] - t.corners[2]), narrow(t.corners[1] - t.corners[2])},
-        up{narrow(t.ups[2]), narrow(t.ups[0] - t.ups[2]), narrow(t.ups[1] - t.ups[2])},
-        bulge{narrow(t.bulges[2]), narrow(t.bulges[0] - t.bulges[2]), narrow(t.bulges[1] - t.bulges[2])} {
-    const std::array<glm::dvec3, 3> bends = bends_of(t);
-    for (std::size_t i = 0; i < 3; ++i) bend[i] = narrow(bends[i]);
+/// A triangle in single precision: values at the right angle, and their increments along p and q.
+struct TriangleF32 {
+  explicit TriangleF32(const FlatTriangle& t)
+      : drawn{to_float(t.corners[2]), to_float(t.corners[0] - t.corners[2]),
+              to_float(t.corners[1] - t.corners[2])},
+        up{to_float(t.ups[2]), to_float(t.ups[0] - t.ups[2]), to_float(t.ups[1] - t.ups[2])},
+        bulge{to_float(t.bulges[2]), to_float(t.bulges[0] - t.bulges[2]),
+              to_float(t.bulges[1] - t.bulges[2])} {
+    const std::array<glm::dvec3, 3> bends = quadratic_bulges(t);
+    for (std::size_t i = 0; i < 3; ++i) bend[i] = to_float(bends[i]);
   }
   Vec drawn[3];
   Vec up[3];
   Vec bulge[3];
-  Vec bend[3];  ///< at the middles of the base, of q and of p: what is quadratic of the bulge
+  Vec bend[3];  ///< quadratic_bulges()
 };
 
-/// At the points. A displacement d has (dx − tx·dz, dy − ty·dz) across the ray.
+/// Values at the points. "Across the ray", a displacement d is (dx − tx·dz, dy − ty·dz).
 struct PointsAt {
   Points z;                          ///< Dz
   Points tx, ty;                     ///< D⊥/Dz
-  Points doubt;                      ///< of these
-  Points bulge_x, bulge_y, bulge_z;  ///< Q: the first two across the ray
+  Points rounding;                   ///< bound of the rounding error of tx and ty
+  Points bulge_x, bulge_y, bulge_z;  ///< Q; x and y across the ray
   Points up_x, up_y, up_z;
-  Points x, y, deep;     ///< of S
-  Points room, room_up;  ///< what the tolerance is there, of S; less e times the second
+  Points x, y, deep;             ///< S(h) in the camera
+  Points headroom, headroom_up;  ///< the tolerance at S(h), and how much less it is per metre of e
 };
 
 float least(float a, float b) {
@@ -108,9 +110,10 @@ float largest(const Vec& v) {
   return std::max(std::max(std::abs(v.x), std::abs(v.y)), std::abs(v.z));
 }
 
-[[gnu::always_inline]] inline void place(const Narrow& t, float tolerance, float nearest, PointsAt& at) {
+[[gnu::always_inline]] inline void evaluate_points(const TriangleF32& t, float tolerance, float nearest,
+                                                   PointsAt& at) {
   const float far = largest(t.drawn[0]) + largest(t.drawn[1]) + largest(t.drawn[2]);
-  Points deep;  // apart, or the division by what is the same everywhere would become a branch
+  Points deep;  // an array of its own, or the compiler makes a branch of the maximum
   for (std::size_t n = 0; n < kPoints; ++n) {
     const float p = kWeights.p[n], q = kWeights.q[n];
     const float x = t.drawn[0].x + p * t.drawn[1].x + q * t.drawn[2].x;
@@ -132,15 +135,16 @@ float largest(const Vec& v) {
     const float uy = t.up[0].y + p * t.up[1].y + q * t.up[2].y;
     const float uz = t.up[0].z + p * t.up[1].z + q * t.up[2].z;
     at.tx[n] = tx, at.ty[n] = ty;
-    at.doubt[n] = kRounding * far * inverse;
+    at.rounding[n] = kRounding * far * inverse;
     at.bulge_x[n] = bx - tx * bz, at.bulge_y[n] = by - ty * bz, at.bulge_z[n] = bz;
     at.x[n] = tx * deep[n] - bx, at.y[n] = ty * deep[n] - by, at.deep[n] = at.z[n] - bz;
-    at.room[n] = least(tolerance * at.deep[n], (at.z[n] - nearest) * kNone), at.room_up[n] = tolerance * uz;
+    at.headroom[n] = least(tolerance * at.deep[n], (at.z[n] - nearest) * kBehindPenalty),
+    at.headroom_up[n] = tolerance * uz;
     at.up_x[n] = ux - tx * uz, at.up_y[n] = uy - ty * uz, at.up_z[n] = uz;
   }
 }
 
-/// √(x²+y²), or up to a twelfth more.
+/// Returns √(x²+y²) or up to a twelfth more.
 float length_or_more(float x, float y) {
   const float a = absolute(x), b = absolute(y);
   return most(a, b) + 0.41422f * least(a, b);
@@ -148,16 +152,17 @@ float length_or_more(float x, float y) {
 
 struct Lanes {
   std::array<float, kLanes> low{}, high{};
-  std::array<std::int32_t, kLanes> off{};
+  std::array<std::int32_t, kLanes> over{};
 };
 
-/// Of a part's bulge beside that of a whole triangle.
-constexpr float kOfPart = 1.0f / (kSteps * kSteps);
+/// A part's own bulge, as a fraction of the whole triangle's: it falls with the square of the size.
+constexpr float kPartBulgeShare = 1.0f / (kSteps * kSteps);
 
-[[gnu::always_inline]] inline void judge(const Narrow& t, const PointsAt& at, float tolerance, float nearest,
-                                         float slack, Lanes& lanes) {
+[[gnu::always_inline]] inline void mark_over_tolerance(const TriangleF32& t, const PointsAt& at,
+                                                       float tolerance, float nearest, float slack,
+                                                       Lanes& lanes) {
   const float bulge_z =
-      kOfPart * most(most(absolute(t.bend[0].z), absolute(t.bend[1].z)), absolute(t.bend[2].z));
+      kPartBulgeShare * most(most(absolute(t.bend[0].z), absolute(t.bend[1].z)), absolute(t.bend[2].z));
   for (std::size_t n = 0; n < kLanes; ++n) {
     const std::size_t a = n, b = n + 1, c = n + kFar, d = n + kFar + 1;
     const float low = lanes.low[n], high = lanes.high[n];
@@ -166,11 +171,11 @@ constexpr float kOfPart = 1.0f / (kSteps * kSteps);
     };
     const float least_x = over_corners(at.tx, least), most_x = over_corners(at.tx, most);
     const float least_y = over_corners(at.ty, least), most_y = over_corners(at.ty, most);
-    const float spread = length_or_more(most_x - least_x, most_y - least_y) + over_corners(at.doubt, most);
+    const float spread = length_or_more(most_x - least_x, most_y - least_y) + over_corners(at.rounding, most);
     const float slanting = length_or_more(most(most_x, -least_x), most(most_y, -least_y));
     // √(1+x²) <= 1 + 0.4143x up to 1, and x + 0.4143 beyond.
     const float slant = most(1 + 0.4143f * slanting, slanting + 0.4143f);
-    // As Σ wᵢDᵢz(tᵢ − t) is 0, so much times Dᵢz may be taken from dᵢz before ω is applied to it.
+    // As Σ wᵢDᵢz(tᵢ − t) = 0, any multiple of Dᵢz may be subtracted from dᵢz before ω is applied to it.
     const auto differs = [&](const Points& of) {
       const float mean =
           ((of[a] + of[b]) + (of[c] + of[d])) / most((at.z[a] + at.z[b]) + (at.z[c] + at.z[d]), nearest);
@@ -182,47 +187,49 @@ constexpr float kOfPart = 1.0f / (kSteps * kSteps);
       return length_or_more(v.x - at.tx[a] * v.z, v.y - at.ty[a] * v.z);
     };
     const float base = bulge(t.bend[0]), q = bulge(t.bend[1]), p = bulge(t.bend[2]);
-    const float curved = kOfPart * most(p + q, 4.0f / 3 * most(base, most(p, q)));
+    const float curved = kPartBulgeShare * most(p + q, 4.0f / 3 * most(base, most(p, q)));
     const float margin =
         spread * (deep + 2 * bulge_z) + curved + slack * (slant + tolerance) + 2 * bulge_z * tolerance;
-    const auto is_off = [&](std::size_t k, float e) {
+    const auto exceeds = [&](std::size_t k, float e) {
       const float x = at.bulge_x[k] + e * at.up_x[k], y = at.bulge_y[k] + e * at.up_y[k];
-      const float room = at.room[k] - e * at.room_up[k] - margin;
-      return static_cast<int>(room < 0) | static_cast<int>(x * x + y * y > room * room);
+      const float headroom = at.headroom[k] - e * at.headroom_up[k] - margin;
+      return static_cast<int>(headroom < 0) | static_cast<int>(x * x + y * y > headroom * headroom);
     };
-    lanes.off[n] = is_off(a, low) | is_off(a, high) | is_off(b, low) | is_off(b, high) | is_off(c, low) |
-                   is_off(c, high) | is_off(d, low) | is_off(d, high);
+    lanes.over[n] = exceeds(a, low) | exceeds(a, high) | exceeds(b, low) | exceeds(b, high) |
+                    exceeds(c, low) | exceeds(c, high) | exceeds(d, low) | exceeds(d, high);
   }
 }
 
-/// Takes off what is certainly beside the picture.
-[[gnu::always_inline]] inline void drop_beside(const Narrow& t, const PointsAt& at, float half_width,
-                                               float half_height, float slack, Lanes& lanes) {
+/// Clears the parts that are certainly outside the viewport.
+[[gnu::always_inline]] inline void clear_outside_viewport(const TriangleF32& t, const PointsAt& at,
+                                                          float half_width, float half_height, float slack,
+                                                          Lanes& lanes) {
   const float wide = length_or_more(1, half_width), high = length_or_more(1, half_height);
   const float curved =
-      2 * kOfPart * 1.7321f * most(most(largest(t.bend[0]), largest(t.bend[1])), largest(t.bend[2]));
+      2 * kPartBulgeShare * 1.7321f * most(most(largest(t.bend[0]), largest(t.bend[1])), largest(t.bend[2]));
   for (std::size_t n = 0; n < kLanes; ++n) {
-    // How far all of the part's corners are beyond a side of the picture, at least.
+    // The least distance of the part's corners beyond one side of the viewport.
     const auto beyond = [&](const Points& of, float sign, float half) {
       const auto by = [&](std::size_t k) { return sign * of[k] - half * at.deep[k]; };
       return least(least(by(n), by(n + 1)), least(by(n + kFar), by(n + kFar + 1)));
     };
     const float reach = most(absolute(lanes.low[n]), absolute(lanes.high[n])) + curved + slack;
-    const int is_beside = static_cast<int>(beyond(at.x, 1, half_width) > reach * wide) |
-                          static_cast<int>(beyond(at.x, -1, half_width) > reach * wide) |
-                          static_cast<int>(beyond(at.y, 1, half_height) > reach * high) |
-                          static_cast<int>(beyond(at.y, -1, half_height) > reach * high);
-    lanes.off[n] &= ~is_beside;
+    const int is_outside = static_cast<int>(beyond(at.x, 1, half_width) > reach * wide) |
+                           static_cast<int>(beyond(at.x, -1, half_width) > reach * wide) |
+                           static_cast<int>(beyond(at.y, 1, half_height) > reach * high) |
+                           static_cast<int>(beyond(at.y, -1, half_height) > reach * high);
+    lanes.over[n] &= ~is_outside;
   }
 }
 
-CAIRN_SIMD_CLONES_512 void look(const FlatTriangle& triangle, const SubtriangleErrorRanges::Ranges& ranges,
-                                const SubtriangleViewport& picture, double tolerance, double beyond_m,
-                                Lanes& lanes) {
-  const Narrow t(triangle);
-  const auto nearest = static_cast<float>(picture.nearest_m), allowed = static_cast<float>(tolerance);
+CAIRN_SIMD_CLONES_512 void test_subtriangles(const FlatTriangle& triangle,
+                                             const SubtriangleErrorRanges::Ranges& ranges,
+                                             const SubtriangleViewport& viewport, double tolerance,
+                                             double beyond_m, Lanes& lanes) {
+  const TriangleF32 t(triangle);
+  const auto nearest = static_cast<float>(viewport.nearest_m), allowed = static_cast<float>(tolerance);
   PointsAt at;
-  place(t, allowed, nearest, at);
+  evaluate_points(t, allowed, nearest, at);
   const auto beyond = static_cast<float>(beyond_m), unit = ranges.unit_m;
   std::array<float, SubtriangleErrorRanges::kParts> low, high;
   for (std::size_t i = 0; i < SubtriangleErrorRanges::kParts; ++i) {
@@ -234,17 +241,17 @@ CAIRN_SIMD_CLONES_512 void look(const FlatTriangle& triangle, const SubtriangleE
   float bulge = 0;
   for (std::size_t i = 0; i < 3; ++i) bulge += largest(t.bulge[i]) + largest(t.bend[i]);
   const float slack = static_cast<float>(triangle.slack_m) +
-                      4 * kRounding * (static_cast<float>(ranges.most_m() + beyond_m) + bulge);
-  judge(t, at, allowed, nearest, slack, lanes);
-  if (!picture.has_all) {
-    drop_beside(t, at, static_cast<float>(picture.half_width), static_cast<float>(picture.half_height), slack,
-                lanes);
+                      4 * kRounding * (static_cast<float>(ranges.largest_m() + beyond_m) + bulge);
+  mark_over_tolerance(t, at, allowed, nearest, slack, lanes);
+  if (!viewport.contains_triangle) {
+    clear_outside_viewport(t, at, static_cast<float>(viewport.half_width),
+                           static_cast<float>(viewport.half_height), slack, lanes);
   }
 }
 
 }  // namespace
 
-std::array<glm::dvec3, 3> bends_of(const FlatTriangle& t) {
+std::array<glm::dvec3, 3> quadratic_bulges(const FlatTriangle& t) {
   return {t.middle_bulges[0] - (t.bulges[0] + t.bulges[1]) / 2.0,
           t.middle_bulges[1] - (t.bulges[1] + t.bulges[2]) / 2.0,
           t.middle_bulges[2] - (t.bulges[2] + t.bulges[0]) / 2.0};
@@ -252,14 +259,14 @@ std::array<glm::dvec3, 3> bends_of(const FlatTriangle& t) {
 
 std::uint32_t subtriangles_over_tolerance(const FlatTriangle& triangle,
                                           const SubtriangleErrorRanges::Ranges& ranges,
-                                          const SubtriangleViewport& picture, double tolerance,
+                                          const SubtriangleViewport& viewport, double tolerance,
                                           double beyond_m) {
   Lanes lanes;
-  look(triangle, ranges, picture, tolerance, beyond_m, lanes);
-  std::uint32_t off = 0;
+  test_subtriangles(triangle, ranges, viewport, tolerance, beyond_m, lanes);
+  std::uint32_t over = 0;
   for (std::size_t part = 0; part < SubtriangleErrorRanges::kParts; ++part)
-    off |= static_cast<std::uint32_t>(lanes.off[kLaneOf[part]]) << part;
-  return off;
+    over |= static_cast<std::uint32_t>(lanes.over[kLaneOf[part]]) << part;
+  return over;
 }
 
 }  // namespace cairn

@@ -9,41 +9,45 @@
 
 namespace cairn {
 
-/// A flat triangle D between samples, in a camera (right, up, along the view), and what is known of the
-/// surface under it. With h the heights that are linear between the corners', S(h) is the curved surface that
-/// has them.
+/// A flat triangle D between samples, in camera coordinates (right, up, along the view), in metres.
+///
+/// Let h be the height that is linear between the corners' heights. S(h) is the curved surface with these
+/// heights, and D − S(h) is the triangle's bulge, which the Earth's curvature makes.
 struct FlatTriangle {
-  std::array<glm::dvec3, 3> corners;  ///< the base's two, then the right angle
-  std::array<glm::dvec3, 3> ups;      ///< unit vectors out of the ellipsoid at these
-  /// D − S(h) there: 0 but where this is a part of a flat triangle.
+  std::array<glm::dvec3, 3> corners;  ///< the two of the base, then the right angle
+  std::array<glm::dvec3, 3> ups;      ///< the ellipsoid's unit normals there
+  /// The bulge at the corners. It is 0 unless this is a piece of a larger flat triangle.
   std::array<glm::dvec3, 3> bulges{glm::dvec3{0}, glm::dvec3{0}, glm::dvec3{0}};
-  std::array<glm::dvec3, 3> middle_bulges;  ///< D − S(h) at the middles of the base, of leg q and of leg p
-  double slack_m = 0;  ///< the places that subtriangles_over_tolerance() derives are no farther off, in all
+  std::array<glm::dvec3, 3> middle_bulges;  ///< the bulge at the middles of the base, of leg q and of leg p
+  double slack_m = 0;                       ///< bound of the errors of what is derived from these
 };
 
-/// What is quadratic of its bulges, at the middles of the base, of q and of p.
-std::array<glm::dvec3, 3> bends_of(const FlatTriangle& triangle);
+/// Returns the second-order part of the bulge at the middles of the base, of leg q and of leg p.
+std::array<glm::dvec3, 3> quadratic_bulges(const FlatTriangle& triangle);
 
-/// A picture, at depth 1.
+/// The viewport at depth 1, in multiples of the depth.
 struct SubtriangleViewport {
   double half_width;
   double half_height;
-  double nearest_m;  ///< what is nearer along the view is off
-  bool has_all;      ///< of the triangle
+  double nearest_m;        ///< what has a smaller depth exceeds the tolerance
+  bool contains_triangle;  ///< no part of the triangle is outside
 };
 
-/// The parts, bit by number, of which some place may be in the picture and off by more than the tolerance
-/// there; of the others none is. `beyond_m`: the surface is so far beyond the ranges at most, vertically.
+/// Returns the parts, bit by number, that may exceed the tolerance at a place in the viewport. No other does.
 ///
-/// At any place, with e of the part's range, D − P = Q + e·up, Q = D − S(h); a place is off by
-/// |(D−P)⊥ − t(D−P)z| / Pz, t = D⊥/Dz. Q is quadratic in the legs, to third order, and so known from three
-/// places. Over a part D is linear, Q and up nearly so, and t is a mean of the corners'. So where t differs
-/// by ω within a part, Σwᵢ the weights of its corners, e at an end of its range,
+/// `tolerance` is at depth 1, as the viewport. `beyond_m` is how far, at most, the surface lies outside the
+/// ranges, vertically. May return more parts than exceed the tolerance, never fewer.
+///
+/// At any place, with e from the part's range, D − P = Q + e·up, where Q = D − S(h). The place is displaced
+/// by
+/// |(D−P)⊥ − t(D−P)z| / Pz, where t = D⊥/Dz. Q is quadratic along the legs, to third order, so three places
+/// determine it. Over a part D is linear, Q and up nearly so, and t is a mean of the corners' values. So
+/// where t differs by at most ω within a part and e is an end of its range,
 ///   |(D−P)⊥ − t(D−P)z| <= max |dᵢ⊥ − tᵢdᵢz| + ω max |dᵢz| + slack·√(1+|t|²),   dᵢ = Qᵢ + e·upᵢ,
 ///   Pz >= min (Dᵢz − dᵢz) − slack.
 std::uint32_t subtriangles_over_tolerance(const FlatTriangle& triangle,
                                           const SubtriangleErrorRanges::Ranges& ranges,
-                                          const SubtriangleViewport& picture, double tolerance,
+                                          const SubtriangleViewport& viewport, double tolerance,
                                           double beyond_m);
 
 }  // namespace cairn

@@ -7,7 +7,7 @@
 
 namespace cairn {
 
-/// The numbers of the tiles to draw: all, or those that the view may see where it culls.
+/// Returns the indices of the scene's tiles to draw: all, or with view.cull those that may be visible.
 std::vector<std::size_t> tiles_in_view(const LodScene& scene, const LodView& view);
 
 }  // namespace cairn

@@ -7,7 +7,7 @@
 
 namespace cairn {
 
-/// The samples of a tile's source that lie in its area: (0, 0) is the area's south-west corner.
+/// The window of a tile's source that covers its area. Sample (0, 0) is the area's south-west corner.
 class TileWindow {
  public:
   TileWindow(const LodScene& scene, const LodTile& tile)
@@ -22,9 +22,9 @@ class TileWindow {
   }
 
   int cells() const { return cells_; }    ///< intervals along a side, a power of two
-  int column() const { return column_; }  ///< of the source, where the window begins
+  int column() const { return column_; }  ///< the column of the source where the window begins
   int row() const { return row_; }
-  std::int64_t spacing() const { return spacing_; }  ///< of the samples, in lattice units
+  std::int64_t spacing() const { return spacing_; }  ///< between samples, in lattice units
   LatticePoint point(int c, int r) const { return {origin_.x + c * spacing_, origin_.y + r * spacing_}; }
   std::int32_t quanta(int c, int r) const { return heights_->at(column_ + c, row_ + r); }
   double height_m(int c, int r) const { return quanta(c, r) * quantum_m_; }

@@ -12,9 +12,9 @@
 namespace cairn {
 namespace {
 
-/// How far a straight line is from the bilinear surface over the diagonal of one cell, at most: it is off by
-/// `from` and `to` at the ends, and by d(t) = from + (to − from)t + bend·t(1−t) between them.
-float off_diagonal(float from, float to, float bend) {
+/// Returns the largest distance of a straight line from the bilinear surface over the diagonal of one cell.
+/// It is `from` and `to` at the ends, and d(t) = from + (to − from)t + bend·t(1−t) between them.
+float distance_along_diagonal(float from, float to, float bend) {
   const float ends = std::max(std::abs(from), std::abs(to));
   const float rise = to - from;
   if (std::abs(rise) >= std::abs(bend)) return ends;
@@ -22,12 +22,12 @@ float off_diagonal(float from, float to, float bend) {
   return std::max(ends, std::abs(from + rise * t + bend * t * (1 - t)));
 }
 
-/// The tile's bilinear surface along diagonals of its squares, in quanta.
+/// Measures diagonals of squares against the tile's bilinear surface, in quanta.
 class Diagonals {
  public:
   Diagonals(const HeightTile& heights, bool rising) : heights_(heights), rising_(rising) {}
 
-  /// Of the square of s cells at (column, row).
+  /// Returns the error of the diagonal of the square of s cells at (column, row).
   float error(int column, int row, int s) const {
     const bool rises = diagonal_rises(rising_, heights_.size, column, row, s);
     const int first = rises ? row : row + s, step = rises ? 1 : -1;
@@ -37,16 +37,16 @@ class Diagonals {
     for (int i = 0; i < s; ++i) {
       const int c = column + i, r = first + step * i;
       const float after = height(c + 1, r + step) - (from + slope * static_cast<float>(i + 1));
-      // −twist where the diagonal rises, the twist where it falls.
+      // The bend is minus the twist where the diagonal rises, the twist where it falls.
       const float bend = height(c + 1, r) + height(c, r + step) - height(c, r) - height(c + 1, r + step);
-      worst = std::max(worst, off_diagonal(before, after, bend));
+      worst = std::max(worst, distance_along_diagonal(before, after, bend));
       before = after;
     }
     return worst;
   }
 
  private:
-  // From the first sample, so that single precision holds what differs.
+  // Relative to the first sample, so that single precision holds the differences.
   float height(int c, int r) const {
     return static_cast<float>(std::int64_t{heights_.at(c, r)} - heights_.samples.front());
   }
@@ -75,7 +75,7 @@ std::vector<float> vertex_errors_m(const HeightTile& heights, const TileId& id, 
   return errors;
 }
 
-double chord_of_cell_m(double cell_radians, double highest_m) {
+double sagitta_of_cell_m(double cell_radians, double highest_m) {
   constexpr double a = kEquatorialRadius, b = kPolarRadius;
   return 2 / std::sqrt(3.0) * (a * a / b + std::max(0.0, highest_m)) * cell_radians * cell_radians / 4;
 }

@@ -7,19 +7,24 @@
 
 namespace cairn {
 
-/// bisection_errors() in metres, of the tile `id`. `between_samples`: where the tile stands for finer ones,
-/// whose samples lie between its own, a triangle is also held against the tile's bilinear surface, of which
-/// the tile's own error speaks. It differs from that by more than at the samples only in the cells that its
-/// diagonal edges cut: such an edge counts at the vertex that bisects it, the centre of its square. What the
-/// diagonal of a single cell is off by, a quarter of its twist, no vertex can mend, and is left out.
+/// Returns, by sample, the largest distance in metres of samples from the two triangles bisected there.
+///
+/// It is bisection_errors() of the tile `id`, in metres. `between_samples` is for a tile that stands for
+/// finer ones, whose samples lie between its own: triangles are then measured against the tile's bilinear
+/// surface too, to which the tile's own error refers. A triangle's distance from that surface is larger than
+/// at the samples only in the cells that its diagonal edges cut; such an edge counts at the vertex that
+/// bisects it, the centre of its square. The distance along the diagonal of a single cell, a quarter of its
+/// twist, is left out, because no vertex bisects it.
 std::vector<float> vertex_errors_m(const HeightTile& heights, const TileId& id, double quantum_m,
                                    bool between_samples);
 
-/// How far a flat triangle with legs of one cell along the grid, whose hypotenuse runs across, is from the
-/// curved Earth, at most, where it is level: |∂²P|ρ²/2, ρ = cell/√2 the radius of its circumcircle and
-/// |∂²P| <= 2/√3 (R+h) the second derivative of the position along any direction of the grid, largest near
-/// the poles, where the ellipsoid's radius of curvature, R, is largest too: a²/b. It grows with the square of
-/// the legs; a triangle whose hypotenuse runs along the grid and is as long as these legs has half of it.
-double chord_of_cell_m(double cell_radians, double highest_m);
+/// Returns the largest distance, in metres, between the curved Earth and a level flat triangle of one cell.
+///
+/// The triangle has legs of one cell along the grid and a diagonal hypotenuse. The distance is at most
+/// |∂²P|ρ²/2, where ρ = cell/√2 is the radius of the triangle's circumcircle and |∂²P| <= 2/√3 (R+h) the
+/// second derivative of the position along any direction of the grid. It is largest near the poles, where the
+/// ellipsoid's radius of curvature R is largest too, a²/b. The distance grows with the square of the legs; a
+/// triangle whose hypotenuse runs along the grid and is as long as these legs has half of it.
+double sagitta_of_cell_m(double cell_radians, double highest_m);
 
 }  // namespace cairn

@@ -9,8 +9,7 @@
 
 namespace cairn {
 
-/// Numbers the samples that a tile's triangles use, each once, in the order in which they are first asked
-/// for.
+/// Numbers the samples that a tile's triangles use, in the order of their first use.
 class VertexNumbers {
  public:
   /// Begins a tile's mesh. REQUIRES: window and mesh outlive the calls of number().
@@ -23,7 +22,7 @@ class VertexNumbers {
     if (numbers_.size() < side_ * side_) numbers_.resize(side_ * side_, kNone);
   }
 
-  /// Of the window's sample (c, r); adds it to the mesh's vertices if it is new.
+  /// Returns the number of the window's sample (c, r); adds it to the mesh's vertices at the first call.
   std::uint32_t number(int c, int r) {
     const std::size_t slot = static_cast<std::size_t>(r) * side_ + static_cast<std::size_t>(c);
     if (numbers_[slot] == kNone) {

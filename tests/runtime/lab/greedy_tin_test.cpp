@@ -97,7 +97,7 @@ ScreenError measure(LabTerrain& terrain, const ViewState& view, const GreedyTin&
     mesh.positions[0].push_back(camera.position + v.in_camera.x * camera.right + v.in_camera.y * camera.up +
                                 v.in_camera.z * camera.forward);
   }
-  const auto picture = FinestPicture::of(terrain, view, 1);
+  const auto picture = FinestView::of(terrain, view, 1);
   REQUIRE(picture.ok());
   return picture->measure(mesh, nullptr);
 }
@@ -143,7 +143,7 @@ TEST_CASE("A greedy network of known ground: two triangles of a plain, few of a 
   CHECK(measure(*valley.terrain, down, *tin).max_px <= 2 + 1e-3);
 }
 
-TEST_CASE("A greedy network is the same each time, and none of an empty picture") {
+TEST_CASE("A greedy network is equal each time, and empty for an empty view") {
   Ground ground(hills);
   const auto first = greedy_tin(*ground.terrain, Ground::view(-40), 2);
   const auto second = greedy_tin(*ground.terrain, Ground::view(-40), 2);

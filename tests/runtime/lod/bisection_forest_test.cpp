@@ -1,4 +1,4 @@
-// Which vertices a mesh comes to have of those that its squares want.
+// Which of the requested vertices BisectionForest adds.
 
 #include "runtime/lod/mesh/bisection_forest.h"
 
@@ -22,87 +22,95 @@ LodScene flat_tile() {
   return {kSize, 1, 0, {tile}};
 }
 
-/// The tile's centre, the middle of its southern side, and the centre of the square in its south-western
-/// quarter, whose triangles are there only with that.
-template <class Confirms>
-BisectionForest settled(const LodScene& scene, int trusted_from, const Confirms& confirms) {
+/// Refines a mesh for which the tile's centre, the middle of its southern side, and the centre of its
+/// south-western quarter are requested; the quarter has a triangle only once that middle is a vertex. Squares
+/// of up to 2^skip_level cells skip the exact test.
+template <class Exceeds>
+BisectionForest refined(const LodScene& scene, int skip_level, const Exceeds& exceeds) {
   BisectionForest forest;
   forest.prepare(scene);
   forest.begin();
-  forest.settle(
+  forest.refine(
       [&](std::size_t tile, int k, int x, int y) {
-        if (k <= trusted_from) forest.trust(tile, k, x, y);
+        if (k <= skip_level) forest.skip_exact_test(tile, k, x, y);
         if (k == kLevels) {
-          forest.want_centre(tile, k, x, y);
-          forest.want_middle(tile, k, x, y, BisectionForest::south);
+          forest.request_centre(tile, k, x, y);
+          forest.request_middle(tile, k, x, y, BisectionForest::south);
         } else if (k == kLevels - 1 && x == 0 && y == 0) {
-          forest.want_centre(tile, k, x, y);
+          forest.request_centre(tile, k, x, y);
         }
         return false;
       },
-      confirms);
+      exceeds);
   return forest;
 }
 
-struct Wanted {
+struct Vertices {
   bool centre, south, quarter;
+  bool operator==(const Vertices&) const = default;
 };
-Wanted wanted_of(const BisectionForest& forest) {
+Vertices vertices_of(const BisectionForest& forest) {
   return {forest.has(0, 4, 4), forest.has(0, 4, 0), forest.has(0, 2, 2)};
 }
 
+/// Whether the triangle's right angle is at the tile's centre: one of the four below the tile's root.
+bool is_at_centre(const BisectionForest::Triangle& triangle) {
+  return triangle[2] == BisectionForest::Corner{4, 4};
+}
+
+const auto always = [](std::size_t, const BisectionForest::Triangle&) { return true; };
+const auto never = [](std::size_t, const BisectionForest::Triangle&) { return false; };
+
 }  // namespace
 
-TEST_CASE("what is wanted of a triangle is taken if that is confirmed") {
+TEST_CASE("a requested vertex is added if the triangle that it bisects exceeds the tolerance") {
   const LodScene scene = flat_tile();
-  const auto run = [&](bool says) {
-    int asked = 0;
-    const auto confirms = [&](std::size_t, const BisectionForest::Triangle&) { return ++asked, says; };
-    const Wanted wanted = wanted_of(settled(scene, 0, confirms));
-    CHECK(wanted.centre);
-    CHECK(wanted.south == says);
-    CHECK(wanted.quarter == says);
-    return asked;
-  };
-  CHECK(run(true) == 2);
-  CHECK(run(false) == 1);
+  CHECK(vertices_of(refined(scene, 0, always)) == Vertices{true, true, true});
+  CHECK(vertices_of(refined(scene, 0, never)) == Vertices{true, false, false});
+  const auto only_large = [](std::size_t, const BisectionForest::Triangle& t) { return is_at_centre(t); };
+  CHECK(vertices_of(refined(scene, 0, only_large)) == Vertices{true, true, false});
 }
 
-TEST_CASE("what a trusted square wants is taken unasked, but only of triangles that are there") {
+TEST_CASE("a vertex whose triangle the mesh has not is not added, whatever is requested") {
   const LodScene scene = flat_tile();
-  const auto run = [&](int trusted_from, bool says) {
-    int asked = 0;
-    const auto confirms = [&](std::size_t, const BisectionForest::Triangle&) { return ++asked, says; };
-    const Wanted wanted = wanted_of(settled(scene, trusted_from, confirms));
-    CHECK(wanted.south == (says || trusted_from == kLevels));
-    CHECK(wanted.quarter == wanted.south);
-    return asked;
-  };
-  CHECK(run(kLevels, false) == 0);
-  CHECK(run(kLevels - 1, false) == 1);
-  CHECK(run(kLevels - 1, true) == 1);
+  const auto only_small = [](std::size_t, const BisectionForest::Triangle& t) { return !is_at_centre(t); };
+  CHECK(vertices_of(refined(scene, 0, only_small)) == Vertices{true, false, false});
 }
 
-TEST_CASE("a mesh begins without what squares of the one before were trusted with") {
+TEST_CASE(
+    "a square that skips the exact test gets its requested vertices where the mesh has their triangles") {
+  const LodScene scene = flat_tile();
+  CHECK(vertices_of(refined(scene, kLevels, never)) == Vertices{true, true, true});
+  CHECK(vertices_of(refined(scene, kLevels - 1, never)) == Vertices{true, false, false});
+  CHECK(vertices_of(refined(scene, kLevels - 1, always)) == Vertices{true, true, true});
+}
+
+TEST_CASE("a mesh begins without the requests and skipped tests of the one before") {
   const LodScene scene = flat_tile();
   BisectionForest forest;
   forest.prepare(scene);
-  const auto asked_when = [&](const auto& select) {
-    int asked = 0;
-    forest.begin();
-    forest.settle(select, [&](std::size_t, const BisectionForest::Triangle&) { return ++asked, true; });
-    return asked;
+  const auto request_all = [&](std::size_t tile, int k, int x, int y) {
+    forest.request_centre(tile, k, x, y);
+    forest.request_middle(tile, k, x, y, BisectionForest::south);
+    forest.request_centre(tile, k - 1, x, y);
+    return true;
   };
-  CHECK(asked_when([&](std::size_t tile, int, int, int) {
-          forest.trust(tile, kLevels - 1, 0, 0);
-          return true;
-        }) == 0);
-  CHECK(asked_when([&](std::size_t tile, int k, int x, int y) {
-          forest.want_centre(tile, k, x, y);
-          forest.want_middle(tile, k, x, y, BisectionForest::south);
-          forest.want_centre(tile, k - 1, x, y);
-          return true;
-        }) == 2);
+  forest.begin();
+  forest.refine(
+      [&](std::size_t tile, int k, int x, int y) {
+        forest.skip_exact_test(tile, k, x, y);
+        return request_all(tile, k, x, y);
+      },
+      never);
+  CHECK(vertices_of(forest) == Vertices{true, true, false});
+
+  forest.begin();
+  forest.refine(request_all, never);
+  CHECK(vertices_of(forest) == Vertices{true, false, false});
+
+  forest.begin();
+  forest.refine([](std::size_t, int, int, int) { return true; }, always);
+  CHECK_FALSE(forest.has(0, 4, 4));
 }
 
 }  // namespace cairn::test

@@ -100,11 +100,11 @@ TEST_CASE("The method `full` has no screen error against its own tiles, and no h
     const ViewState view = view_of_hills(pitch_deg);
     const auto scene = terrain.scene_for(view, {RefinementPattern::restricted, 1e-6});
     REQUIRE(scene.ok());
-    const auto picture = FinestPicture::of(terrain, view, 2);
-    REQUIRE(picture.ok());
+    const auto finest = FinestView::of(terrain, view, 2);
+    REQUIRE(finest.ok());
     const PlacedMesh mesh = place(*scene, mesh_of("full", *scene, {view, 1, true}), 2);
-    const FinestPicture::Before before{mesh, *picture};
-    const ScreenError error = picture->measure(mesh, &before);
+    const FinestView::Before before{mesh, *finest};
+    const ScreenError error = finest->measure(mesh, &before);
     CHECK(error.samples > 1000);
     CHECK(error.max_px < 2e-4);
     CHECK(error.holes == 0);
@@ -118,12 +118,12 @@ TEST_CASE("Screen error and popping are what an independent projection finds") {
   const ViewState view = view_of_hills(-20);
   const auto scene = terrain.scene_for(view, {});
   REQUIRE(scene.ok());
-  const auto picture = FinestPicture::of(terrain, view, 2);
-  REQUIRE(picture.ok());
+  const auto finest = FinestView::of(terrain, view, 2);
+  REQUIRE(finest.ok());
   const PlacedMesh fine = place(*scene, mesh_of("geomip", *scene, {view, 8, false}), 2);
   const PlacedMesh coarse = place(*scene, mesh_of("geomip", *scene, {view, 32, false}), 2);
-  const FinestPicture::Before before{coarse, *picture};
-  const ScreenError error = picture->measure(fine, &before);
+  const FinestView::Before before{coarse, *finest};
+  const ScreenError error = finest->measure(fine, &before);
   REQUIRE(error.holes == 0);
   CHECK(error.rms_px > 0);
   CHECK(error.rms_px < error.max_px);
@@ -146,7 +146,7 @@ TEST_CASE("Screen error and popping are what an independent projection finds") {
   }
 }
 
-TEST_CASE("What was not in the picture before does not pop") {
+TEST_CASE("What was not in the viewport before does not pop") {
   const HillPack pack;
   LabTerrain terrain = pack.open();
   const ViewState view = view_of_hills(-20);
@@ -154,13 +154,13 @@ TEST_CASE("What was not in the picture before does not pop") {
   away.heading_deg += 180;
   const auto scene = terrain.scene_for(view, {});
   REQUIRE(scene.ok());
-  const auto picture = FinestPicture::of(terrain, view, 2), elsewhere = FinestPicture::of(terrain, away, 2);
-  REQUIRE((picture.ok() && elsewhere.ok()));
+  const auto finest = FinestView::of(terrain, view, 2), elsewhere = FinestView::of(terrain, away, 2);
+  REQUIRE((finest.ok() && elsewhere.ok()));
   const PlacedMesh fine = place(*scene, mesh_of("geomip", *scene, {view, 8, false}), 2);
   const PlacedMesh coarse = place(*scene, mesh_of("geomip", *scene, {view, 32, false}), 2);
-  const FinestPicture::Before seen{coarse, *picture}, unseen{coarse, *elsewhere};
-  CHECK(picture->measure(fine, &seen).max_pop_px > 0);
-  CHECK(picture->measure(fine, &unseen).max_pop_px == 0);
+  const FinestView::Before seen{coarse, *finest}, unseen{coarse, *elsewhere};
+  CHECK(finest->measure(fine, &seen).max_pop_px > 0);
+  CHECK(finest->measure(fine, &unseen).max_pop_px == 0);
 }
 
 TEST_CASE("A place that the mesh does not cover is a hole") {
@@ -171,9 +171,9 @@ TEST_CASE("A place that the mesh does not cover is a hole") {
   REQUIRE(scene.ok());
   LodMesh mesh = mesh_of("block", *scene, {view, 2, true});
   mesh.tiles.erase(mesh.tiles.begin());
-  const auto picture = FinestPicture::of(terrain, view, 2);
-  REQUIRE(picture.ok());
-  CHECK(picture->measure(place(*scene, std::move(mesh), 2), nullptr).holes > 0);
+  const auto finest = FinestView::of(terrain, view, 2);
+  REQUIRE(finest.ok());
+  CHECK(finest->measure(place(*scene, std::move(mesh), 2), nullptr).holes > 0);
 }
 
 TEST_CASE("Methods that keep a tolerance keep it, culled or not, wherever the tiles allow") {
@@ -187,11 +187,11 @@ TEST_CASE("Methods that keep a tolerance keep it, culled or not, wherever the ti
         const ViewState view = view_of_hills(pitch_deg);
         const auto scene = terrain.scene_for(view, {RefinementPattern::restricted, tolerance_px / 2});
         REQUIRE(scene.ok());
-        const auto picture = FinestPicture::of(terrain, view, 2);
-        REQUIRE(picture.ok());
+        const auto finest = FinestView::of(terrain, view, 2);
+        REQUIRE(finest.ok());
         for (const bool cull : {false, true}) {
           LodMesh mesh = mesh_of(method->name.data(), *scene, {view, tolerance_px, cull});
-          const ScreenError error = picture->measure(place(*scene, std::move(mesh), 2), nullptr);
+          const ScreenError error = finest->measure(place(*scene, std::move(mesh), 2), nullptr);
           CHECK(error.max_px <= tolerance_px + 1e-3);
           CHECK(error.holes == 0);
         }

@@ -81,7 +81,7 @@ std::array<std::array<double, 2>, SubtriangleErrorRanges::kParts> measured(const
   return ranges;
 }
 
-TEST_CASE("SubtriangleErrorRanges are those of the samples, one unit too wide at most") {
+TEST_CASE("SubtriangleErrorRanges are those of the samples, at most one unit too wide") {
   for (const TileId& id : {TileId{3, 4, 6}, TileId{3, 5, 6}}) {
     for (const std::int32_t relief : {0, 3, 40000}) {
       const HeightTile tile = random_tile(65, relief, 3);
@@ -95,7 +95,7 @@ TEST_CASE("SubtriangleErrorRanges are those of the samples, one unit too wide at
         for (std::size_t part = 0; part < SubtriangleErrorRanges::kParts; ++part, ++compared) {
           CHECK(std::abs(r.least[part] * unit - expected[part][0] + unit / 2) <= unit * 0.51 + 1e-9);
           CHECK(std::abs(r.most[part] * unit - expected[part][1] - unit / 2) <= unit * 0.51 + 1e-9);
-          CHECK(std::max(-r.least[part], int{r.most[part]}) * unit <= r.most_m());
+          CHECK(std::max(-r.least[part], int{r.most[part]}) * unit <= r.largest_m());
         }
         for (std::size_t i = 0; i < 3; ++i) CHECK(r.quanta[i] == tile.at(t[i][0], t[i][1]));
       }
@@ -104,7 +104,7 @@ TEST_CASE("SubtriangleErrorRanges are those of the samples, one unit too wide at
   }
 }
 
-TEST_CASE("Where places between the samples count, SubtriangleErrorRanges have these, too") {
+TEST_CASE("SubtriangleErrorRanges hold between samples where places between samples count") {
   const TileId id{3, 4, 6};
   const HeightTile tile = random_tile(33, 400, 8);
   const SubtriangleErrorRanges ranges(tile, id, kQuantum_m, true);

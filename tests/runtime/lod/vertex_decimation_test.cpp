@@ -82,7 +82,7 @@ int area(const Corner& a, const Corner& b, const Corner& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// The edges that have a triangle on one side only.
+/// Returns the edges that have a triangle on one side only.
 std::set<std::array<Corner, 2>> rim(const TileWindow& window, const LodTileMesh& mesh) {
   std::set<std::array<Corner, 2>> edges;
   for (const LodTriangle& t : mesh.triangles) {
@@ -95,7 +95,7 @@ std::set<std::array<Corner, 2>> rim(const TileWindow& window, const LodTileMesh&
   return edges;
 }
 
-/// The largest screen error of samples in the picture.
+/// Returns the largest screen error of samples in the viewport.
 double most_off_px(const TileWindow& window, const LodTileMesh& mesh, const ViewState& view) {
   const CameraFrame camera = camera_frame(view);
   const double focal = view.viewport_height_px / 2.0 / std::tan(glm::radians(view.fov_y_deg / 2));
@@ -147,7 +147,7 @@ LodView view_of(const GeoBounds& area, std::mt19937& random) {
   return view;
 }
 
-TEST_CASE("A thinned mesh keeps the tolerance at every sample, its rim, and is no worse a surface") {
+TEST_CASE("A decimated mesh keeps its tolerance at every sample, its rim, and has no gaps or folds") {
   std::mt19937 random(11);
   std::size_t before = 0, after = 0;
   double tightest = 0;
@@ -164,8 +164,8 @@ TEST_CASE("A thinned mesh keeps the tolerance at every sample, its rim, and is n
         LodTileMesh& tile = mesh.tiles.front();
         const auto rim_before = rim(window, tile);
         before += tile.triangles.size();
-        const ScreenErrorBudget allowance(view, scene.lowest_m);
-        VertexDecimation(allowance).thin({window, errors, kQuantum_m}, tile);
+        const ScreenErrorBudget budget(view, scene.lowest_m);
+        VertexDecimation(budget).decimate({window, errors, kQuantum_m}, tile);
         after += tile.triangles.size();
         CAPTURE(place.lon, place.lat, level, round, view.tolerance_px, view.view.height_m);
         const double off_px = most_off_px(window, tile, view.view);
@@ -185,7 +185,7 @@ TEST_CASE("A thinned mesh keeps the tolerance at every sample, its rim, and is n
   CHECK(tightest > 0.8);
 }
 
-TEST_CASE("Where the Earth's curvature alone is too much, not even a plane is thinned out") {
+TEST_CASE("Where the Earth's curvature alone exceeds the tolerance, not even a plane is decimated") {
   const LodScene scene = scene_of(tile_at({7.6, 46.2}, 4), false, 0);
   const TileWindow window(scene, scene.tiles[0]);
   const SquareErrors errors(scene, scene.tiles[0], false);
@@ -196,8 +196,8 @@ TEST_CASE("Where the Earth's curvature alone is too much, not even a plane is th
   view.view.pitch_deg = -60;
   LodMesh mesh = grid_of(window, 0);
   const std::size_t before = mesh.tiles[0].triangles.size();
-  const ScreenErrorBudget allowance(view, scene.lowest_m);
-  VertexDecimation(allowance).thin({window, errors, kQuantum_m}, mesh.tiles[0]);
+  const ScreenErrorBudget budget(view, scene.lowest_m);
+  VertexDecimation(budget).decimate({window, errors, kQuantum_m}, mesh.tiles[0]);
   CHECK(mesh.tiles[0].triangles.size() == before);
 }
 

@@ -152,7 +152,7 @@ TEST_CASE("a window loads n tiles a move along an axis and 2n-1 along a diagonal
   CHECK(enumerate(RefinementPattern::nine, 2, kDiagonal).largest_difference == 5);
 }
 
-TEST_CASE("the thesis's map of 8x8 tiles with the eye in the middle has 10 blocks, or 28 with the cross") {
+TEST_CASE("the map of Melkisetoglu's figures 6.2, 8x8 tiles, has 10 blocks, or 28 with the cross") {
   const TileId middle = mid_world(4, 4);
   CHECK(counted_map(middle, 3, RefinementPattern::normal).size() == 10);
   CHECK(counted_map(middle, 3, RefinementPattern::cross).size() == 28);
