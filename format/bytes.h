@@ -13,8 +13,8 @@ namespace cairn {
 static_assert(std::endian::native == std::endian::little,
               "cairn's bytes are little-endian; this CPU would need swaps");
 
-/// Reads little-endian values from bytes that nobody vouches for. A read past the end gives zero and makes
-/// ok() false for good, so a caller may read a whole record and ask once.
+/// Reads little-endian values from untrusted bytes. A read past the end returns zero and makes ok() false
+/// from then on, so a caller may read a whole record and check once.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -64,7 +64,7 @@ class ByteWriter {
     static_assert(std::is_arithmetic_v<T>);
     append({reinterpret_cast<const std::byte*>(&value), sizeof(T)});
   }
-  // Not by insert(), whose code for the middle of a vector GCC 12 takes for an overflow.
+  // GCC 12 warns of an overflow in insert()'s code for the middle of a vector.
   void append(std::span<const std::byte> bytes) {
     const std::size_t at = out_.size();
     out_.resize(at + bytes.size());

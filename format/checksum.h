@@ -7,10 +7,10 @@
 
 namespace cairn {
 
-/// XXH3, 64 bits, seed 0: the checksum of every block, the index, the metadata and the header of a pack.
+/// Returns XXH3 of 64 bits with seed 0: the checksum of a pack's blocks, index, metadata and header.
 std::uint64_t checksum(std::span<const std::byte> bytes);
 
-/// The same of bytes that come in pieces.
+/// Computes checksum() of bytes that come in pieces.
 class ChecksumStream {
  public:
   ChecksumStream();

@@ -12,46 +12,46 @@
 
 namespace cairn {
 
-/// Writes one pack beside its target, as `TARGET.part`, and renames it when it is whole: a reader never sees
-/// half a pack. The part is locked against other processes. One thread at a time. After an error of add(),
-/// flush() or finish() only abandon() or the destructor may follow.
+/// Writes one pack as `TARGET.part` and renames it when it is whole, so that a reader never finds half a
+/// pack. The part is locked against other processes. One thread at a time. After an error of add(), flush()
+/// or finish() only abandon() or the destructor may be called.
 class PackWriter {
  public:
-  /// Starts `TARGET.part` anew. Fails where the folder cannot be written.
+  /// Creates `TARGET.part`. The error is failed if the folder cannot be written.
   static Result<PackWriter> create(const std::filesystem::path& target, const PackHeader& header);
 
-  /// Goes on with an existing `TARGET.part` of which the blocks of `entries` are known to be good, in the
-  /// order in which they were added: everything after the last of them is cut off. bad_data where the part
-  /// is shorter than they say; whether the blocks are whole (their checksums) is for the caller to know.
+  /// Continues an existing `TARGET.part` after the blocks of `entries`, which are in the order of add().
+  /// Everything after the last of them is cut off. The error is bad_data if the part is too short for them.
+  /// REQUIRES: the caller has verified the checksums of these blocks.
   static Result<PackWriter> reopen(const std::filesystem::path& target, const PackHeader& header,
                                    std::span<const IndexEntry> entries);
 
   PackWriter(PackWriter&&) noexcept;
   PackWriter& operator=(PackWriter&&) noexcept;
-  ~PackWriter();  ///< closes; leaves `TARGET.part` as it is
+  ~PackWriter();  ///< closes `TARGET.part` and leaves it
 
-  /// Appends a block and its entry; offset, bytes and checksum of the entry are filled in here and returned.
-  /// An equal block that is already there is shared, not written again. REQUIRES: the block is empty where
-  /// the entry has kConstant, and only there; each tile is added once.
+  /// Appends a block and its entry; returns the entry with offset, bytes and checksum. An equal block that
+  /// was written before is shared. REQUIRES: the block is empty if and only if the entry has kConstant; each
+  /// tile is added once.
   Result<IndexEntry> add(IndexEntry entry, std::span<const std::byte> block);
 
-  /// Bytes of blocks so far, header included.
+  /// Returns the bytes of the header and the blocks so far.
   std::uint64_t position() const;
 
-  /// All entries so far, in the order of add().
+  /// Returns all entries so far, in the order of add().
   const std::vector<IndexEntry>& entries() const;
 
   /// The block of an entry that add() returned, checked by its checksum. REQUIRES: flush() since then. Any
   /// thread, while another one adds.
   Result<std::vector<std::byte>> read_block(const IndexEntry& entry) const;
 
-  /// Hands all blocks so far to the file: they outlive a killed process (but not a power cut).
+  /// Writes all blocks so far to the file: they outlive a killed process, but not a power cut.
   Status flush();
 
-  /// Writes index, metadata and header, syncs, renames to the target. The writer is done after it.
+  /// Writes index, metadata and header, syncs, and renames to the target. Nothing may be called after it.
   Status finish(std::string_view metadata_json);
 
-  /// Removes `TARGET.part`. The writer is done after it.
+  /// Removes `TARGET.part`. Nothing may be called after it.
   void abandon();
 
  private:

@@ -6,27 +6,26 @@
 #include <unordered_map>
 #include <vector>
 
-#include "format/rqt_steps.h"
 #include "cairn/tile_id.h"
+#include "format/rqt_steps.h"
 
 namespace cairn {
 
-/// Makes the triangulations of neighbouring tiles of one level agree on the vertices of their common edges,
-/// with as few vertices as that takes: the least set that holds every tile's own, and with each vertex those
-/// that it needs in any tile. What a vertex on one edge needs on the others does not depend on heights, so
-/// that settle() sees borders only. The result does not depend on the order of add().
+/// Makes the triangulations of neighbouring tiles of one level agree on the vertices of their common edges.
 ///
-/// Tiles across the antimeridian are neighbours where the grid lines up there: from level -3 on. Four bytes a
-/// sample of an edge are kept for each tile.
+/// The result is the least set of vertices that has every tile's own and, with each vertex, those that it
+/// depends on in any tile. What a vertex on one edge depends on at other edges does not depend on heights, so
+/// only borders are kept: four bytes per edge sample of each tile. The result does not depend on the order of
+/// add(). Tiles across the antimeridian are neighbours from level -3 on, where the grid lines up.
 class RqtBorders {
  public:
   explicit RqtBorders(int tile_size);
 
   /// REQUIRES: all tiles are of one level.
   void add(const TileId& id, const RqtSteps& own);
-  /// Once all are added.
+  /// Finds the least set. Call it once all tiles are added.
   void settle();
-  /// Puts what settle() found into the tile's own triangulations.
+  /// Adds the tile's vertices of that set to its own triangulations.
   void apply(const TileId& id, RqtSteps& own) const;
 
  private:

@@ -9,45 +9,46 @@
 
 namespace cairn {
 
-/// Whether the diagonal of the square of s cells at (column, row) of a tile runs from its south-west to its
-/// north-east; `rising` is that of the tile's own square. REQUIRES: s divides column and row.
+/// Returns whether the diagonal of the square of s cells at (column, row) runs from south-west to north-east.
+/// `rising` says so of the tile's own square. REQUIRES: s divides column and row.
 inline bool diagonal_rises(bool rising, int size, int column, int row, int s) {
   return s == size - 1 ? rising : ((column / s ^ row / s) & 1) == 0;
 }
 
-/// The diagonal of a tile's own square: that of the quarter of its parent's square that the tile is, so that
-/// the triangulations of all levels are one hierarchy.
+/// Returns `rising` of a tile's own square. It is that of the quarter of its parent's square that the tile
+/// is, so that the triangulations of all levels are one hierarchy.
 inline bool root_rises(const TileId& id) {
   return ((id.x ^ id.y) & 1) == 0;
 }
 
-/// The restricted quadtree triangulations of a tile [3; Pajarola 1998], each coarser than the one before and
-/// part of it. A triangulation is made of right triangles, each bisected at the middle of its hypotenuse, its
-/// base vertex, where that vertex is enabled; a vertex has here the number of triangulations that have it.
+/// Restricted quadtree triangulations of a tile (Pajarola 1998; Intel 2012), each coarser than the one before
+/// and part of it. For each vertex the number of triangulations that have it is stored.
 ///
-/// A square of s cells (s = N-1, (N-1)/2, … 2) has its centre, the base of two halves of the square, and the
-/// middles of its four edges, each the base of a quarter and of that beyond the edge. A vertex needs others:
-/// a middle the centres of the squares on both sides of its edge (of one, on the tile's border), a centre
-/// those two corners of its square that are not on its diagonal. The tile's corners are always there.
+/// A triangulation consists of right triangles. Each is bisected at the middle of its hypotenuse, its base
+/// vertex, if that vertex is enabled. A square of s cells (s = N-1, (N-1)/2, … 2) has its centre, the base of
+/// two halves of the square, and the middles of its four edges, each the base of a quarter and of the quarter
+/// beyond the edge. A middle depends on the centres of the squares on both sides of its edge (of one square
+/// on the tile's border); a centre on those two corners of its square that are not on its diagonal. The
+/// tile's corners are always vertices.
 class RqtSteps {
  public:
-  /// No vertex but the corners. REQUIRES: size = 2^n + 1, 3…4097.
+  /// Has no vertex but the corners. REQUIRES: size = 2^n + 1, 3 to 4097.
   RqtSteps(int size, bool rising);
 
   int size() const { return size_; }
   bool rising() const { return rising_; }
   int at(int column, int row) const { return steps_[index(column, row)]; }
-  /// Whether triangulation k, 0 the finest, has the vertex.
+  /// Returns whether triangulation k has the vertex; 0 is the finest.
   bool has(int column, int row, int k) const { return at(column, row) > k; }
   std::span<const std::uint8_t> all() const { return steps_; }  ///< row-major from the south-west
   std::span<std::uint8_t> writable() { return steps_; }         ///< likewise; REQUIRES what set() does
 
-  /// Puts the vertex, and all that it needs within the tile, into the first `steps` triangulations.
+  /// Adds the vertex, and all that it depends on within the tile, to the first `steps` triangulations.
   void raise(int column, int row, int steps);
-  /// The vertex alone. REQUIRES: before anyone asks, what it needs is there, too.
+  /// Sets the vertex alone. REQUIRES: what it depends on is set before the triangulations are read.
   void set(int column, int row, int steps) { steps_[index(column, row)] = static_cast<std::uint8_t>(steps); }
 
-  /// Triangles of triangulation k.
+  /// Returns the number of triangles of triangulation k.
   std::size_t triangle_count(int k) const;
 
   friend bool operator==(const RqtSteps&, const RqtSteps&) = default;
@@ -63,17 +64,17 @@ class RqtSteps {
 
 inline constexpr int kMostRqtSteps = 16;
 
-/// The vertices that another needs, as indices into all().
+/// The two vertices that another depends on, as indices into all().
 struct RqtNeeds {
   std::size_t first;
-  std::size_t second;  ///< the same as the first on the tile's border
+  std::size_t second;  ///< equal to the first on the tile's border
 };
 
-/// REQUIRES: the vertex is no corner of the tile.
+/// Returns what a vertex depends on. REQUIRES: it is no corner of the tile.
 RqtNeeds rqt_needs_of(int column, int row, int size, bool rising);
 
 /// Calls visit(index, needs) for every vertex but the corners, from the coarsest square to the finest,
-/// centres before middles, by row from the south: an order in which each comes after those that it needs.
+/// centres before middles, row by row from the south: each comes after those that it depends on.
 template <class Visit>
 void for_each_rqt_vertex(int size, bool rising, const Visit& visit) {
   const int last = size - 1;

@@ -1,10 +1,10 @@
 #pragma once
 
-// For loops that the compiler can make vectors of: compiled for the baseline CPU and again for AVX2, and
-// chosen between when the program starts. All give the same bits: no fused multiply-add, no reordering of
-// floating point. ThreadSanitizer's runtime starts after that choice, which it cannot stand, so under it the
-// baseline runs. CAIRN_SIMD_CLONES_512 also for AVX-512: for loops over 16 numbers, where that was measured
-// to pay. It does not everywhere.
+// Compiles a function for the baseline CPU and again for AVX2; the program chooses when it starts. It is for
+// loops that the compiler can make vectors of. All versions give equal bits: there is no fused multiply-add
+// and no reordering of floating point. ThreadSanitizer's runtime starts after the choice and does not survive
+// it, so the baseline runs under it. CAIRN_SIMD_CLONES_512 adds a version for AVX-512, for loops over 16
+// numbers.
 #if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
 #define CAIRN_SIMD_CLONES __attribute__((target_clones("avx2", "default")))
 #define CAIRN_SIMD_CLONES_512 __attribute__((target_clones("avx512f", "avx2", "default")))

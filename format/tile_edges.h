@@ -9,18 +9,18 @@
 
 namespace cairn {
 
-/// The part of a tile that lies in the world: columns 0 to `east` and rows 0 to `north`, both at most N−1.
-/// Only tiles of L < −3 (in x) or L < −2 (in y) may end before N−1; what lies past is void. Column `east` of
-/// the last tile of a row is the antimeridian, which is column 0 of the first.
+/// The part of a tile inside the world: columns 0 to `east` and rows 0 to `north`, both at most N−1.
+/// Only tiles of L < −3 (in x) or L < −2 (in y) may end before N−1; the rest is void. Column `east` of the
+/// last tile of a row is the antimeridian, which is column 0 of the first.
 struct WorldExtent {
   int east = 0;
   int north = 0;
 };
 WorldExtent world_extent(const TileId& id, int tile_size);
 
-/// What a tile must have in common with others, small enough to keep for every tile of a pack. Two digests
-/// are equal where the samples are, voids included (a void's filler is not looked at); unequal samples give
-/// equal digests with a chance of 2^-64.
+/// Digests of what a tile has in common with others, small enough to keep for every tile of a pack.
+/// Equal samples, voids included, give equal digests, whatever the voids' fillers. Unequal samples give equal
+/// digests with a probability of 2^-64.
 struct TileDigest {
   std::uint64_t west = 0, east = 0, south = 0, north = 0;  ///< of the edges; east at the WorldExtent
   std::int64_t south_west = 0, south_east = 0, north_west = 0, north_east = 0;  ///< the corner samples
@@ -29,12 +29,12 @@ struct TileDigest {
 };
 TileDigest digest_of(const HeightTile& tile, const TileId& id);
 
-/// A sample that is compared: its height in quanta, or this.
+/// The value of a void sample where samples are compared; others have their height in quanta.
 inline constexpr std::int64_t kVoidSample = INT64_MAX;
 
 enum class Edge { west, east, south, north };
 
-/// The samples that the digests are made of, in ascending columns, then rows.
+/// Return the samples that the digests are made of, in ascending columns, then rows.
 std::vector<std::int64_t> edge_samples(const HeightTile& tile, const TileId& id, Edge edge);
 std::vector<std::int64_t> quadrant_samples(const HeightTile& tile, int quadrant);
 std::vector<std::int64_t> even_samples(const HeightTile& tile);

@@ -8,20 +8,20 @@
 
 namespace cairn {
 
-/// How zstd looks for repetitions, in its own parameters; 0 is the level's own.
+/// Parameters of zstd's search for repetitions; 0 is the level's default.
 struct ZstdSearch {
   int level = 1;
   int hash_log = 0;
   int min_match = 0;
 };
 
-/// Appends `plain` to `out` as one zstd frame that states its content size. The same bytes for the same
-/// input, search and zstd version.
+/// Appends `plain` to `out` as one zstd frame with its content size. Equal inputs, parameters and zstd
+/// versions give equal bytes.
 void append_zstd_frame(std::span<const std::byte> plain, const ZstdSearch& search,
                        std::vector<std::byte>& out);
 
-/// Fills `plain` from exactly one frame. bad_data where `frame` is not one frame, whole and nothing after it,
-/// of exactly that much content.
+/// Decodes one frame into `plain`. The error is bad_data if `frame` is not exactly one whole frame of that
+/// content size.
 Status decode_zstd_frame(std::span<const std::byte> frame, std::span<std::byte> plain);
 
 }  // namespace cairn

@@ -173,7 +173,7 @@ std::size_t Terrain::State::count_failing(const TileCut& cover) const {
 }
 
 void Terrain::State::look_ahead(const ViewState& view, double dt_s) {
-  const double reach_m = 4 * tile_width_degrees(aimed_at->level) * 111e3;
+  const double reach_m = 4 * tile_width_degrees(aimed_at->level) * kMeridianDegree_m;
   const ViewState there = motion.predict(view, dt_s, options.look_ahead_s, reach_m);
   const TileId tile = eye_tile_for(eye_ahead, there);
   if (looked_at == tile) return;

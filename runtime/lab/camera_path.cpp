@@ -7,12 +7,11 @@
 
 #include <glm/trigonometric.hpp>
 
+#include "cairn/geodesy.h"
 #include "runtime/flight/flight.h"
 
 namespace cairn {
 namespace {
-
-constexpr double kMetresPerDegree = 111e3;
 
 /// What a built-in flight needs to know.
 struct Course {
@@ -34,8 +33,8 @@ struct Course {
 
 LonLat moved(LonLat from, double heading_deg, double metres) {
   const double heading = glm::radians(heading_deg), cosine = std::max(std::cos(glm::radians(from.lat)), 0.01);
-  return {from.lon + std::sin(heading) * metres / (kMetresPerDegree * cosine),
-          from.lat + std::cos(heading) * metres / kMetresPerDegree};
+  return {from.lon + std::sin(heading) * metres / (kMeridianDegree_m * cosine),
+          from.lat + std::cos(heading) * metres / kMeridianDegree_m};
 }
 
 ViewState looking(LonLat eye, double height_m, double heading_deg, double pitch_deg) {

@@ -13,6 +13,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "cairn/geodesy.h"
 #include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/patches.h"
 #include "runtime/lod/mesh/screen.h"
@@ -24,7 +25,6 @@ namespace {
 constexpr int kPatchCells = 64;
 constexpr double kPixels = 4;
 constexpr double kExponent = 0.3;
-constexpr double kDegree_m = 111e3;  // of a meridian
 
 class GeoMip : public LodMethod {
  public:
@@ -34,7 +34,8 @@ class GeoMip : public LodMethod {
   LodMesh build(const LodScene& scene, const LodView& view) override {
     const Screen screen(view.view);
     return mesh_of_patches(scene, view, patches_, [&](const LodTile& tile, const Patch& patch) {
-      const double spacing_m = tile_width_degrees(tile.source.level) / (scene.tile_size - 1) * kDegree_m;
+      const double spacing_m =
+          tile_width_degrees(tile.source.level) / (scene.tile_size - 1) * kMeridianDegree_m;
       const double min_m = spacing_m * screen.pixels_per_radian() / (kPixels * view.tolerance_px);
       const double distance_m = glm::distance(screen.camera().position, patch.volume.centre);
       return step_at(distance_m, min_m, patch.cells);

@@ -39,7 +39,6 @@ namespace {
 
 constexpr double kEdge_px = 8;
 constexpr double kRoughEdge_px = 32;
-constexpr double kDegree_m = 111e3;  // of a meridian
 
 /// A node of a tile's quadtree: its middle and half its edge, in samples of the tile's window.
 struct Node {
@@ -352,7 +351,7 @@ class Quadtree : public LodMethod {
     if (window.cells() < 2) return;
     const Prepared& tile = prepared_.at(scene.tiles[index].area);
     const double sample_m =
-        tile_width_degrees(scene.tiles[index].source.level) / (scene.tile_size - 1) * kDegree_m;
+        tile_width_degrees(scene.tiles[index].source.level) / (scene.tile_size - 1) * kMeridianDegree_m;
     const double relief_m = scene.tiles[index].max_m - scene.tiles[index].min_m;
     const auto visit = [&](auto self, const Node& n) -> void {
       const bool root = 2 * n.half == window.cells();

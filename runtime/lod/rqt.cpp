@@ -67,8 +67,7 @@ RqtBlock block_of(const LodScene& scene, const LodTile& tile) {
   if (tile.flags) {
     if (auto block = decode_rqt_block(*tile.flags, scene.tile_size, rising)) return std::move(*block);
   }
-  const double spacing_m = kEquatorialRadius * std::numbers::pi / 180 *
-                           tile_width_degrees(tile.source.level) / (scene.tile_size - 1);
+  const double spacing_m = kEquatorDegree_m * tile_width_degrees(tile.source.level) / (scene.tile_size - 1);
   const auto tolerance_m = static_cast<float>(spacing_m * kSpacingToTolerance);
   return {tolerance_m, kStepsWithoutFlags,
           triangulate(*tile.heights, scene.quantum_m, tolerance_m, kStepsWithoutFlags, rising)};

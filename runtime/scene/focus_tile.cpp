@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
 #include "cairn/geodesy.h"
 
 namespace cairn {
 
 double level_for_pixel_size(const ViewState& view, double distance_m, int tile_size) {
-  const double degree_m = kEquatorialRadius * std::numbers::pi / 180;
-  return std::log2(degree_m / (tile_size - 1) / pixel_footprint_m(view, std::max(distance_m, 1.0)));
+  return std::log2(kEquatorDegree_m / (tile_size - 1) / pixel_footprint_m(view, std::max(distance_m, 1.0)));
 }
 
 FocusTile::FocusTile(double tile_margin, double level_margin)

@@ -7,15 +7,15 @@
 
 namespace cairn {
 
-/// The level, as a real number, whose samples are a pixel apart seen from this far: log2 of (a degree of
-/// meridian / (tile_size - 1)) / pixel_footprint_m. Below a metre counts as a metre.
+/// Returns the level, as a real number, whose samples are one pixel apart at this distance: the log2 of
+/// (a degree of the equator / (tile_size - 1)) / pixel_footprint_m. Distances below a metre count as one.
 double level_for_pixel_size(const ViewState& view, double distance_m, int tile_size);
 
-/// Finds the eye's tile, and holds it while the eye hovers on a border.
+/// Finds the camera's tile, with hysteresis while the camera hovers on a border.
 ///
-/// The level is the first that is no coarser than a pixel, within the levels that there are. It is held while
-/// the ideal level stays within `level_margin` of the interval that chose it, and the tile is held while the
-/// eye stays within `tile_margin` tile widths of it. So:
+/// The level is the first whose samples are at most a pixel apart, within the levels that exist. It is held
+/// while the ideal level stays within `level_margin` of the interval that chose it, and the tile is held
+/// while the eye stays within `tile_margin` tile widths of it. So:
 /// - an eye that stays in a box of `tile_margin` tile widths and a band of `level_margin` levels (a factor of
 ///   2^level_margin in height above ground) changes its level once at most and its tile at most once besides,
 ///   however it moves in there;

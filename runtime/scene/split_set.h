@@ -9,12 +9,12 @@ namespace cairn {
 
 struct SceneMapSpec;
 
-/// The inner nodes of a scene map's tree: a handful of tiles a level, so that a flat list a level is the
-/// fastest set.
+/// The inner nodes of a scene map's tree. There are so few per level that a list per level is the fastest
+/// set.
 class SplitSet {
  public:
   bool contains(const TileId& id) const;
-  /// Adds the tile unless it is there; whether it was new.
+  /// Adds the tile if it is new; returns whether it was.
   bool insert(const TileId& id);
   const std::vector<TileId>& at(int level) const { return levels_[index(level)]; }
 
@@ -23,8 +23,8 @@ class SplitSet {
   std::array<std::vector<TileId>, kMaxLevel - kMinLevel + 1> levels_;
 };
 
-/// The tiles that the spec's pattern splits, from level coarsest-1 (kMinLevel at least) to the eye's level
-/// less one. With a tile its parent is there too. REQUIRES: a pattern of several levels.
+/// Returns the tiles that the spec's pattern splits, with their parents, from level max(coarsest - 1,
+/// kMinLevel) to the level before the camera's. REQUIRES: a pattern of several levels.
 SplitSet mark_splits(const SceneMapSpec& spec);
 
 }  // namespace cairn

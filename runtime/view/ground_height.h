@@ -8,8 +8,8 @@
 
 namespace cairn {
 
-/// The height of the tile's bilinear surface at a place, in metres; nullopt where a sample that it needs is
-/// void. REQUIRES: the place, its longitude wrapped, lies in the tile `id`, whose samples these are.
+/// Returns the height of the tile's bilinear surface at a place, in metres; nullopt if a sample that it needs
+/// is void. REQUIRES: the place, its longitude wrapped, lies in the tile `id`, to which the samples belong.
 std::optional<double> ground_height_m(const HeightTile& tile, const TileId& id, double quantum_m,
                                       LonLat place);
 

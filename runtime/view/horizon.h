@@ -10,12 +10,13 @@
 
 namespace cairn {
 
-/// What the occluder hides from one eye. Where each axis is divided by its radius the occluder is the unit
-/// sphere: hidden is what lies in the cone from the eye around it and behind where they touch. From inside
-/// the occluder nothing is.
+/// Tests what an occluder hides from one camera. From inside the occluder nothing is hidden.
+/// With each axis divided by the occluder's radius, the occluder is the unit sphere. Hidden is what lies
+/// inside the cone from the camera around it and behind the circle where they touch (Cozzi & Ring 2011).
+/// Immutable.
 class Horizon {
  public:
-  /// `eye`: geocentric metres, like all that is asked about below.
+  /// `eye` is the camera's position. All places are in geocentric metres.
   Horizon(const glm::dvec3& eye, const Occluder& occluder)
       : per_radius_(1.0 / occluder.radii),
         eye_(eye * per_radius_),
@@ -24,13 +25,12 @@ class Horizon {
 
   bool hides(const glm::dvec3& point) const { return hides_scaled(point * per_radius_); }
 
-  /// All of the tile; never says yes where some of it is seen.
+  /// Returns true only if all of the tile is hidden.
   bool hides(const BoundingVolume& volume) const {
     return volume.horizon_point && hides_scaled(*volume.horizon_point);
   }
 
-  /// All of a sphere, if its middle is within the cone by its radius; never says yes where some of it is
-  /// seen.
+  /// Returns true only if all of the sphere is hidden: its centre is inside the cone by its radius.
   bool hides(const glm::dvec3& centre, double radius_m) const {
     if (square_ <= 0) return false;
     const double radius = radius_m * per_radius_.z;
@@ -50,9 +50,9 @@ class Horizon {
   }
 
   glm::dvec3 per_radius_;  ///< the third is the largest
-  glm::dvec3 eye_;         ///< where the occluder is the unit sphere
-  double distance_;        ///< of the eye there
-  double square_;          ///< of the distance from there to the horizon; <= 0 inside
+  glm::dvec3 eye_;         ///< in the space where the occluder is the unit sphere
+  double distance_;        ///< of eye_ from the centre
+  double square_;          ///< of the distance from eye_ to the horizon; <= 0 inside the occluder
 };
 
 }  // namespace cairn

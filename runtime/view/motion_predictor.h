@@ -8,12 +8,12 @@
 
 namespace cairn {
 
-/// Follows the eye and says where it is going. The velocity is averaged over about a second, so that an eye
-/// that shakes goes nowhere.
+/// Predicts where the camera will be. Its velocity is averaged over about a second, so that a camera that
+/// shakes has none.
 class MotionPredictor {
  public:
-  /// Takes in the view of this update, and returns the view `ahead_s` later at the same velocity; the view
-  /// itself where that is farther than `reach_m`, as after a jump.
+  /// Returns the view `ahead_s` after this one at the present velocity; the view itself if that is farther
+  /// away than `reach_m`, as after a jump.
   ViewState predict(const ViewState& view, double dt_s, double ahead_s, double reach_m);
 
  private:

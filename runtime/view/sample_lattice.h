@@ -8,20 +8,20 @@
 
 namespace cairn {
 
-/// log2 of the finest lattice's units in a degree: a sample of level 20 tiles of 513.
+/// log2 of the lattice's units per degree: the sample spacing of tiles of 513 at level 20.
 inline constexpr int kLatticeLevel = kMaxLevel + 9;
 inline constexpr std::int64_t kLatticeAround = std::int64_t{360} << kLatticeLevel;
 inline constexpr std::int64_t kLatticePoleToPole = std::int64_t{180} << kLatticeLevel;
 
-/// A place on the grid of the finest lattice that there can be, in units of 2^-29 degree from 180°W and 90°S.
-/// Exact for every sample of every tile.
+/// A place on the finest possible sample grid, in units of 2^-29 degree from 180°W and 90°S. Exact for every
+/// sample of every tile.
 struct LatticePoint {
   std::int64_t x = 0;
   std::int64_t y = 0;
   friend constexpr bool operator==(const LatticePoint&, const LatticePoint&) = default;
 };
 
-/// Units along the side of a tile.
+/// Returns the units along the side of a tile.
 constexpr std::int64_t lattice_width(int level) {
   return std::int64_t{1} << (kLatticeLevel - level);
 }
@@ -29,13 +29,13 @@ constexpr LatticePoint south_west_of(const TileId& id) {
   return {id.x * lattice_width(id.level), id.y * lattice_width(id.level)};
 }
 
-/// The same place with 0 <= x < kLatticeAround. REQUIRES: 0 <= x <= kLatticeAround.
+/// Returns the point of this place with 0 <= x < kLatticeAround. REQUIRES: 0 <= x <= kLatticeAround.
 constexpr LatticePoint canonical(LatticePoint point) {
   if (point.x >= kLatticeAround) point.x -= kLatticeAround;
   return point;
 }
 
-/// Degrees, exact: lon -180…180, lat -90…90.
+/// Returns degrees, exact: lon -180 to 180, lat -90 to 90.
 constexpr LonLat place_of(const LatticePoint& point) {
   constexpr double kDegree = 1.0 / (std::int64_t{1} << kLatticeLevel);
   return {static_cast<double>(point.x) * kDegree - 180.0, static_cast<double>(point.y) * kDegree - 90.0};

@@ -7,18 +7,19 @@
 #include <glm/vec3.hpp>
 
 #include "cairn/bounding_volume.h"
-#include "runtime/view/horizon.h"
 #include "cairn/view_state.h"
+#include "runtime/view/horizon.h"
 
 namespace cairn {
 
-/// What one view can see: the pyramid of its picture, above the horizon. Never says no to what can be seen;
-/// may say yes to what cannot. Seed [2] §4.2 scan-converts the view volume on the tile grid instead; with
-/// some hundred tiles a map, testing each is as quick and works on the globe.
+/// Tests what is inside the view frustum and above the horizon. May return true for what is invisible.
+/// Leung (1995, §4.2) scan-converts the view volume on the tile grid instead. Testing each of some hundred
+/// tiles works on the whole globe.
 class ViewFrustum {
  public:
   ViewFrustum(const ViewState& view, const Occluder& occluder);
 
+  /// Returns false only if no part of the volume is visible.
   bool sees(const BoundingVolume& volume) const;
   const glm::dvec3& eye() const { return eye_; }
 
@@ -26,7 +27,7 @@ class ViewFrustum {
   bool in_pyramid(const BoundingVolume& volume) const;
 
   glm::dvec3 eye_;
-  std::array<glm::dvec3, 5> inward_;  // normals of planes through the eye: four sides, and in front
+  std::array<glm::dvec3, 5> inward_;  // normals of planes through the camera: four sides, and the front
   Horizon horizon_;
 };
 

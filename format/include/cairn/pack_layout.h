@@ -19,7 +19,7 @@ inline constexpr std::uint16_t kPackVersion = 1;
 inline constexpr std::size_t kPackHeaderBytes = 96;
 inline constexpr std::size_t kIndexEntryBytes = 48;
 
-/// What the heights are measured from.
+/// The surface that heights are measured from.
 enum class VerticalDatum : std::uint8_t { unknown = 0, egm96 = 1, ellipsoid = 2 };
 const char* to_string(VerticalDatum datum);
 
@@ -28,7 +28,7 @@ struct PackHeader {
   std::uint16_t version = kPackVersion;
   std::uint16_t tile_size = 513;  ///< samples along a tile's side: 513 or 257; texture tiles have one less
   VerticalDatum vertical_datum = VerticalDatum::unknown;
-  double quantum_m = 0.25;         ///< metres a quantum; > 0, finite
+  double quantum_m = 0.25;         ///< metres per quantum; > 0, finite
   std::uint64_t index_offset = 0;  ///< blocks lie between the header and here
   std::uint64_t index_count = 0;   ///< entries
   std::uint64_t index_checksum = 0;
@@ -39,26 +39,27 @@ struct PackHeader {
   std::uint64_t file_bytes() const { return metadata_offset + metadata_bytes; }
 };
 
-/// Encodes the header with its own checksum. Decoding accepts nothing that encoding would not write: bad_data
-/// names the first field that is wrong, what was expected and what was found.
+/// Returns the header's bytes, with their own checksum.
 std::array<std::byte, kPackHeaderBytes> encode_header(const PackHeader& header);
+/// Accepts exactly what encode_header() writes. The error is bad_data and names the first wrong field, what
+/// was expected and what was found.
 Result<PackHeader> decode_header(std::span<const std::byte> bytes);
 
-/// What a tile holds. One pack may have several layers on the same grid.
+/// The kind of a tile's data. One pack may have several layers on one grid.
 enum class Layer : std::uint8_t {
   heights = 0,  ///< HeightTile
   imagery = 1,  ///< TextureTile
-  rqt = 2,      ///< enabled-vertex flags of the restricted quadtree triangulation, seed [3]
+  rqt = 2,      ///< enabled vertices of restricted quadtree triangulations (Intel 2012)
 };
 const char* to_string(Layer layer);
 
 enum EntryFlags : std::uint16_t {
-  kConstant = 1,  ///< every sample is min_quanta (every texel is colour): the entry has no block
-  kHasVoids = 2,  ///< heights: the block carries a void mask
+  kConstant = 1,  ///< every sample, or every texel, is min_quanta; the entry has no block
+  kHasVoids = 2,  ///< heights: the block has a void mask
   kHasAlpha = 4,  ///< imagery: some texel is not opaque
 };
 
-/// One tile. Entries are sorted by layer, then TileId's order, so that a tile is found by binary search.
+/// The index entry of one tile. Entries are sorted by layer, then TileId, for binary search.
 struct IndexEntry {
   Layer layer = Layer::heights;
   std::uint16_t flags = 0;
@@ -71,21 +72,22 @@ struct IndexEntry {
       0;  ///< heights: over the samples that are not void, 0 if all are. Imagery: a colour, as RGBA bytes
   std::int32_t max_quanta = 0;  ///< heights: likewise. Imagery: peak signal-to-noise ratio in 1/1000 dB
                                 ///< (rqt: min and max are triangles of its coarsest and finest triangulation)
-  /// Heights: largest deviation from the source posts and the finest samples, never below a descendant's.
-  /// Rqt: what the finest triangulation is off its tile's samples by, less.
+  /// Heights: the largest distance from the source's posts and the finest samples, never below a
+  /// descendant's. Rqt: the finest triangulation is off its tile's samples by less than this.
   float geometric_error_m = 0;
-  std::uint16_t filled = 0;  ///< heights: share of samples without a source, filled or void, in 1/65535
+  std::uint16_t filled = 0;  ///< heights: the share of samples without a source, filled or void, in 1/65535
 
   friend bool operator==(const IndexEntry&, const IndexEntry&) = default;
 };
 
-/// The key that the index is sorted by.
+/// Returns whether a comes before b in the index.
 inline bool entry_before(const IndexEntry& a, const IndexEntry& b) {
   return a.layer != b.layer ? a.layer < b.layer : a.id < b.id;
 }
 
 void append_entry(const IndexEntry& entry, std::vector<std::byte>& out);
-/// REQUIRES: bytes.size() == kIndexEntryBytes. bad_data where a field is out of range.
+/// Decodes an entry. The error is bad_data if a field is out of range. REQUIRES: bytes.size() ==
+/// kIndexEntryBytes.
 Result<IndexEntry> decode_entry(std::span<const std::byte> bytes);
 
 }  // namespace cairn

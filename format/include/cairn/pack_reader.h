@@ -14,11 +14,12 @@
 
 namespace cairn {
 
-/// An open pack, immutable, so that any number of threads may call it. The index is held in memory; a block
-/// is one positioned read, checked: a file that is cut short while it is open gives errors.
+/// An open pack. Immutable: any number of threads may call it. The index is kept in memory; a block is one
+/// positioned read and its checksum verified, so a file that is cut short while it is open causes errors, no
+/// crash.
 class PackReader {
  public:
-  /// Two reads: the header, then index and metadata, both checked before anything is believed.
+  /// Opens a pack with two reads: the header, then index and metadata. Both are verified before use.
   static Result<PackReader> open(const std::filesystem::path& path);
 
   PackReader(PackReader&&) noexcept;
@@ -32,23 +33,24 @@ class PackReader {
   std::size_t entry_count() const;
   IndexEntry entry(std::size_t index) const;  ///< REQUIRES: index < entry_count()
 
-  /// O(log n), no allocation.
+  /// Returns the tile's entry, nullopt if the layer has none. O(log n), without allocation.
   std::optional<IndexEntry> find(Layer layer, const TileId& id) const;
 
-  /// The same, but where in the index it is.
+  /// Returns the tile's place in the index, nullopt if the layer has none.
   std::optional<std::size_t> find_index(Layer layer, const TileId& id) const;
 
-  /// The tile itself or its nearest ancestor in the layer.
+  /// Returns the entry of the tile or of its nearest ancestor in the layer, nullopt if there is none.
   std::optional<IndexEntry> find_nearest(Layer layer, const TileId& id) const;
 
-  /// The coarsest and the finest level that the layer has; nullopt where it has no tile.
+  /// The coarsest and the finest level of a layer.
   struct LevelRange {
     int coarsest = 0;
     int finest = 0;
   };
+  /// Returns nullopt if the layer has no tile.
   std::optional<LevelRange> levels(Layer layer) const;
 
-  /// The block's bytes, checksum verified. Empty for a constant tile.
+  /// Returns the block's bytes, their checksum verified; none for a constant tile.
   Result<std::vector<std::byte>> read_block(const IndexEntry& entry) const;
 
   /// Reads and decodes a tile of the heights layer.

@@ -10,10 +10,10 @@
 
 namespace cairn {
 
-/// Heights at places, from a pack: bilinear between the samples of the finest tile that covers the place,
-/// edges included, so that a place on the outer border of what was baked has a height. Longitudes may have
-/// any number of turns. Keeps a few decoded tiles, so that neighbouring places are cheap. Not thread-safe:
-/// one sampler a thread.
+/// Returns heights at places: bilinear between the samples of the finest tile that covers the place.
+/// A tile covers its edges, so a place on the outer border of what was baked has a height. Longitudes may
+/// have any number of turns. A few decoded tiles are kept, so that neighbouring places are cheap. Not
+/// thread-safe: use one sampler per thread.
 class PackSampler {
  public:
   /// REQUIRES: the reader outlives the sampler.
@@ -23,11 +23,12 @@ class PackSampler {
 
   struct Height {
     double metres = 0;
-    int level = 0;  ///< of the tile that gave it
+    int level = 0;  ///< of the tile that it comes from
   };
 
-  /// nullopt where no tile covers the place or a sample that it needs is void, and where the latitude is no
-  /// place on Earth. Only levels from `coarsest` to `finest` are asked. Errors are those of reading the tile.
+  /// Returns nullopt where no tile covers the place, where a sample that it needs is void, and where the
+  /// latitude is beyond a pole. Only levels from `coarsest` to `finest` are used. Errors are those of reading
+  /// the tile.
   Result<std::optional<Height>> height_at(LonLat place, int finest = kMaxLevel, int coarsest = kMinLevel);
 
  private:

@@ -7,20 +7,20 @@
 
 namespace cairn {
 
-/// Why an operation failed. The programs' exit codes are these: 1, 2, 3.
+/// The kind of a failure; also the programs' exit code.
 enum class ErrorCode {
   failed = 1,    ///< the machine or the error bound: I/O, disk full, accuracy not kept
-  usage = 2,     ///< the caller's words: an option out of range, an output that exists
+  usage = 2,     ///< the caller's arguments: an option out of range, an output that exists
   bad_data = 3,  ///< the input's bytes: truncated, damaged, or not what they claim to be
 };
 
-/// One line for a person: "FILE: PLACE: expected X, found Y".
+/// A failure, with one line to read: "FILE: PLACE: expected X, found Y".
 struct Error {
   ErrorCode code = ErrorCode::failed;
   std::string message;
 };
 
-/// A value, or the error that stood in its way. Reading the absent one is a programming error.
+/// A value, or the error that prevented it. Reading the absent one is a programming error.
 template <class T>
 class [[nodiscard]] Result {
  public:

@@ -8,30 +8,29 @@
 
 namespace cairn {
 
-/// The ellipsoid that no terrain goes below, so that what it hides is hidden.
+/// An ellipsoid that no terrain goes below, so that what it occludes is invisible.
 struct Occluder {
-  /// REQUIRES: lowest_m > -100 km. Heights above the ellipsoid make no difference.
+  /// A lowest_m above 0 counts as 0. REQUIRES: lowest_m > -100 km.
   explicit Occluder(double lowest_m);
   glm::dvec3 radii;
 };
 
-/// What encloses the surface of a tile, in geocentric metres.
+/// A volume that encloses the surface of a tile, in geocentric metres.
 struct BoundingVolume {
   glm::dvec3 centre{0};
-  glm::dvec3 half_axes[3]{};  ///< of a box: east, north and up at the middle of the area, times its half-size
+  glm::dvec3 half_axes[3]{};  ///< of a box: east, north and up in the middle of the area, times half its size
 
-  /// A point in the occluder's scaled space (each axis divided by its radius) that is hidden only where the
-  /// whole tile is; nullopt where the tile is too large for one. P. Cozzi and K. Ring, "3D Engine Design for
-  /// Virtual Globes", 2011, and K. Ring, "Horizon Culling 2", 2013.
+  /// A point in the occluder's scaled space, each axis divided by its radius, that is hidden only where the
+  /// whole tile is (Cozzi & Ring 2011; Ring 2013). nullopt if the tile is too large for one.
   std::optional<glm::dvec3> horizon_point;
 
-  double distance_m(const glm::dvec3& point) const;  ///< to the box; 0 inside
+  double distance_m(const glm::dvec3& point) const;  ///< from the box; 0 inside
 };
 
-/// Encloses every point of the area between the heights. The area is sampled at 5×5 places; between them the
-/// surface leaves the samples' convex hull by (R+h)(δφ²+δλ²)/8 at most (the error of linear interpolation, δ
-/// the step in radians), which the volume is grown by. Parts of the area beyond 180°E or the pole do not
-/// count. REQUIRES: min_m <= max_m.
+/// Returns a volume that encloses every point of the area between the heights.
+/// The area is sampled at 5×5 places. Between them the surface leaves the samples' convex hull by at most
+/// (R+h)(δφ²+δλ²)/8, the error of linear interpolation with δ the step in radians, and the volume is larger
+/// by that. Parts of the area beyond 180°E or a pole do not count. REQUIRES: min_m <= max_m.
 BoundingVolume bounding_volume(const GeoBounds& area, double min_m, double max_m, const Occluder& occluder);
 
 }  // namespace cairn

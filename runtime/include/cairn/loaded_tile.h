@@ -11,7 +11,7 @@
 
 namespace cairn {
 
-/// What names a tile of a pack: the scene map's address and the layer.
+/// Identifies a tile of a pack: its layer and address.
 struct TileKey {
   Layer layer = Layer::heights;
   TileId id;
@@ -23,16 +23,16 @@ inline TileKey key_of(const IndexEntry& entry) {
   return {entry.layer, entry.id};
 }
 
-/// A decoded tile, immutable, so that any thread may read it for as long as it holds the pointer.
+/// A decoded tile. Immutable: any thread may read it for as long as it keeps the pointer.
 struct LoadedTile {
   std::shared_ptr<const HeightTile> heights;   ///< of Layer::heights, else null
   std::shared_ptr<const TextureTile> texture;  ///< of Layer::imagery, else null
 
-  /// Bytes of memory that it holds: what its vectors have allocated.
+  /// Returns the bytes of memory that its vectors have allocated.
   std::uint64_t bytes() const;
 };
 
-/// Bytes of memory that the decoded tile will hold at most, known before it is read.
+/// Returns the most bytes of memory that the decoded tile can take, before it is read.
 std::uint64_t decoded_bytes_bound(const IndexEntry& entry, int tile_size);
 
 }  // namespace cairn

@@ -5,7 +5,7 @@
 
 namespace cairn {
 
-/// What the reports say about a set of measurements. All zero where there is none.
+/// A summary of measurements; all zero if there are none.
 struct Summary {
   std::size_t count = 0;
   double min = 0;
@@ -16,21 +16,21 @@ struct Summary {
   double p99 = 0;
 };
 
-/// What paging did since the terrain was opened.
+/// Counts of the paging since the terrain was opened.
 struct PagingStats {
   std::uint64_t updates = 0;
   std::uint64_t moves = 0;            ///< changes of the scene map
   std::uint64_t tiles_loaded = 0;     ///< decoded and delivered
   std::uint64_t bytes_loaded = 0;     ///< of their blocks, as stored
-  std::uint64_t tiles_stale = 0;      ///< of those, no longer wanted when they came
+  std::uint64_t tiles_stale = 0;      ///< of those, no longer needed when they arrived
   std::uint64_t tiles_withdrawn = 0;  ///< requests taken back before a worker began them
   std::uint64_t reads_failed = 0;
   std::uint64_t tiles_damaged = 0;
-  std::uint64_t updates_behind = 0;   ///< that drew another map than the eye's, because tiles were missing
+  std::uint64_t updates_behind = 0;   ///< that drew another map than the camera's, because tiles were missing
   std::uint64_t holes = 0;            ///< drawn tiles without the data that the pack has for them; must be 0
   std::uint64_t resident_bytes = 0;   ///< now
   std::uint64_t in_flight_bytes = 0;  ///< now: what the requests under way will need at most
-  Summary latency_ms;                 ///< from the first plan that wanted a tile to its delivery
+  Summary latency_ms;                 ///< from the first plan that needed a tile to its delivery
 };
 
 }  // namespace cairn

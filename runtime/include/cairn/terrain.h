@@ -18,29 +18,29 @@ namespace cairn {
 
 struct TerrainOptions {
   std::uint64_t cache_bytes = 512u << 20;   ///< a hard limit on what tiles take in memory, loading included
-  std::uint64_t delivery_bytes = 8u << 20;  ///< of new tiles a frame, at least one tile
+  std::uint64_t delivery_bytes = 8u << 20;  ///< of new tiles per frame, but at least one tile
   int workers = 2;                          ///< threads that read and decode; 1…64
   RefinementPattern pattern =
       RefinementPattern::restricted;  ///< not nine or window, which leave most of the Earth bare
   double tile_margin = 0.125;         ///< hysteresis in tiles, below 1; 0 for none
   double level_margin = 0.25;
-  double look_ahead_s = 2;  ///< what lies this far along the flight is loaded next; 0 for nothing
+  double look_ahead_s = 2;  ///< seconds along the flight for which tiles are loaded in advance; 0 for none
 };
 
-/// The terrain of one pack as a program sees it that flies over it. Knows no graphics.
+/// The terrain of one pack, for a program that flies over it: which tiles to draw, loaded in the background.
 ///
-/// update() never waits for a disk. Whatever is asked for and however slow or broken the disk is, what it
-/// returns covers the Earth without overlaps, with data that is in memory, and after the first tile has come
-/// no place that the pack covers is ever without data again. If the eye rests, the result becomes the scene
-/// map of the eye, the same whatever happened before, except for tiles that could not be read.
-///
-/// Where the scene map does not fit the byte budget, a map of a coarser finest level is drawn.
+/// update() never waits for a disk. However slow or broken the disk is, its result covers the Earth without
+/// overlaps, with data that is in memory. After the first tile has arrived, no place that the pack covers is
+/// without data again. If the camera rests, the result becomes the camera's scene map, whatever happened
+/// before, except for tiles that could not be read. Where that map does not fit the byte budget, a map of a
+/// coarser finest level is drawn.
 ///
 /// Threads: a Terrain belongs to one thread, usually the one that renders. docs/runtime-threads.md has the
 /// rules.
 class Terrain {
  public:
-  /// usage where an option is out of range or the budget is too small to work with, naming the least.
+  /// Opens a terrain. The error is usage if an option is out of range, or if the budget is too small, with
+  /// the least budget that works.
   static Result<Terrain> open(std::shared_ptr<const PackReader> pack, const TerrainOptions& options = {});
 
   /// Opens a terrain whose tiles come from elsewhere: `read` is called from the worker threads, `request`
@@ -56,15 +56,16 @@ class Terrain {
   /// stop, and none is waited for.
   ~Terrain();
 
-  /// Call once a frame; `dt_s` is the time since the last call, in seconds. The list holds until the next
-  /// call. A view or a time that is out of range is an error in the list, and what was drawn stays.
+  /// Returns what to draw. Call it once per frame; `dt_s` is the time since the last call, in seconds. The
+  /// list holds until the next call. A view or a time that is out of range is an error in the list, and what
+  /// was drawn stays.
   const RenderList& update(const ViewState& view, double dt_s);
 
-  /// The height, in the pack's vertical datum, of the ground as it is drawn now; nullopt where nothing is
-  /// drawn or where it is void.
+  /// Returns the height, in the pack's vertical datum, of the ground as it is drawn now; nullopt where
+  /// nothing is drawn or where it is void.
   std::optional<double> ground_height_m(LonLat place) const;
 
-  /// The eye's tile for which the last update wanted the map.
+  /// Returns the camera's tile for which the last update made the map.
   TileId eye_tile() const;
   PagingStats stats() const;
 
