@@ -101,7 +101,7 @@ TEST_CASE("a good pack has no findings: heights with and without voids, with 1 t
   }
 }
 
-TEST_CASE("a good pack that goes around the Earth has no findings at any level") {
+TEST_CASE("a good pack that goes around the Earth has no findings at any level", "[slow]") {
   const test::TempDir dir;
   const test::TestSurface surface{257, 0, test::hills, {}};
   for (int level = -9; level <= 0; ++level) {

@@ -211,7 +211,7 @@ TEST_CASE("an rqt block that is cut, with bytes left over, or of another tile si
   CHECK_FALSE(decode_rqt_block(bytes, 513, false).ok());
 }
 
-TEST_CASE("an rqt block with any bit flipped is refused or gives triangulations without cracks") {
+TEST_CASE("an rqt block with any bit flipped is refused or gives triangulations without cracks", "[slow]") {
   for (const int size : {17, 257}) {
     const auto bytes = encode_rqt_block(block_of(size, 4));
     std::size_t refused = 0;

@@ -100,7 +100,7 @@ TEST_CASE("triangulations of the whole Earth verify, overhanging tiles included"
   CHECK(verified->ok());
 }
 
-TEST_CASE("verify finds triangulations that are not those of the heights") {
+TEST_CASE("verify finds triangulations that are not those of the heights", "[slow]") {
   const test::TempDir dir;
   const BuildOptions options =
       options_for({test::sample_dem() / "jacksboro_fault.tif"}, dir.path() / "a.cairn", 2);
@@ -131,7 +131,7 @@ TEST_CASE("verify finds triangulations that are not those of the heights") {
       findings([](IndexEntry&, std::vector<std::byte>& bytes) { bytes.resize(bytes.size() - 1); }).empty());
 }
 
-TEST_CASE("a bake cut off among the triangulations goes on to the same bytes, whatever the threads") {
+TEST_CASE("a bake cut off among the triangulations goes on to the same bytes, whatever the threads", "[slow]") {
   const test::TempDir dir;
   BuildOptions options =
       options_for({test::sample_dem() / "jacksboro_fault.tif"}, dir.path() / "whole.cairn", 1);

@@ -62,7 +62,7 @@ double height_at(PackSampler& sampler, double lon, double lat) {
 
 }  // namespace
 
-TEST_CASE("a coarser raster shows in the voids of a finer one, without a cliff around them") {
+TEST_CASE("a coarser raster shows in the voids of a finer one, without a cliff around them", "[slow]") {
   const test::TempDir dir;
   test::write_bytes(dir.path() / "N10E020.hgt", test::hgt_bytes(1201, fine_height));
   test::write_tiff(dir.path() / "coarse.tif", coarse_raster());

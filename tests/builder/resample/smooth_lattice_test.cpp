@@ -110,7 +110,7 @@ std::vector<NamedRelief> hard_reliefs() {
 
 }  // namespace
 
-TEST_CASE("the smooth surface is within the interval of every post, whatever the relief") {
+TEST_CASE("the smooth surface is within the interval of every post, whatever the relief", "[slow]") {
   for (const Grid& gx : grids()) {
     const Grid& gy = gx.axis.posts_per_degree == 600 ? grids().front() : gx;
     const IndexWindow window = window_of(gx, gy, 230, 210);

@@ -35,12 +35,12 @@ void check_random_cameras(LodScenes& scenes, int cameras) {
   }
 }
 
-TEST_CASE("No method's mesh has cracks from 1000 random cameras over tiles of mixed levels") {
+TEST_CASE("No method's mesh has cracks from 1000 random cameras over tiles of mixed levels", "[slow]") {
   LodScenes scenes;
   check_random_cameras(scenes, 1000);
 }
 
-TEST_CASE("No method's mesh has cracks where tiles disagree about the heights under voids") {
+TEST_CASE("No method's mesh has cracks where tiles disagree about the heights under voids", "[slow]") {
   LodScenes scenes(true);
   check_random_cameras(scenes, 100);
 }

@@ -93,7 +93,7 @@ glm::dvec3 true_point(const LatticePoint& p) {
   return cairn::to_geocentric(place_of(p), hills(p.x / spacing, p.y / spacing) * 0.25);
 }
 
-TEST_CASE("The method `full` has no screen error against its own tiles, and no holes") {
+TEST_CASE("The method `full` has no screen error against its own tiles, and no holes", "[slow]") {
   const HillPack pack;
   LabTerrain terrain = pack.open();
   for (const double pitch_deg : {-90.0, -40.0, -5.0}) {
@@ -176,7 +176,7 @@ TEST_CASE("A place that the mesh does not cover is a hole") {
   CHECK(finest->measure(place(*scene, std::move(mesh), 2), nullptr).holes > 0);
 }
 
-TEST_CASE("Methods that keep a tolerance keep it, culled or not, wherever the tiles allow") {
+TEST_CASE("Methods that keep a tolerance keep it, culled or not, wherever the tiles allow", "[slow]") {
   const HillPack pack;
   LabTerrain terrain = pack.open();
   for (const LodMethodInfo* method : lod_methods()) {

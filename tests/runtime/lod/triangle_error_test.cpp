@@ -211,7 +211,7 @@ void check(int level, int finest, int rounds) {
   CHECK(exceeding > visible / 10);
 }
 
-TEST_CASE("A triangle that TriangleError finds within the tolerance has no sample farther off") {
+TEST_CASE("A triangle that TriangleError finds within the tolerance has no sample farther off", "[slow]") {
   check(3, 3, 200);
   check(0, 0, 200);
   check(-4, -4, 200);
@@ -219,7 +219,8 @@ TEST_CASE("A triangle that TriangleError finds within the tolerance has no sampl
 
 TEST_CASE(
     "A triangle that TriangleError finds within the tolerance has no finer sample farther off than the "
-    "tile's error adds") {
+    "tile's error adds",
+    "[slow]") {
   check(1, 3, 20);
   check(-4, -2, 20);
 }

@@ -198,7 +198,7 @@ TEST_CASE("a terrain at rest shows the scene map of its eye, whatever the patter
   }
 }
 
-TEST_CASE("10,000 moves with 1, 2 and 4 workers: no hole, never over the budget, the same map in the end") {
+TEST_CASE("10,000 moves with 1, 2 and 4 workers: no hole, never over the budget, the same map in the end", "[slow]") {
   const FlightPack pack;
   std::set<AreasAndSources> maps;
   for (const int workers : {1, 2, 4}) {
@@ -287,7 +287,7 @@ TEST_CASE("an option out of range is refused, and a budget too small with the le
   CHECK_FALSE(refused([](TerrainOptions&) {}));
 }
 
-TEST_CASE("an eye that hovers on a border loads nothing after the first pass, with hysteresis") {
+TEST_CASE("an eye that hovers on a border loads nothing after the first pass, with hysteresis", "[slow]") {
   const FlightPack pack;
   const auto hover = [&](double margin) {
     RandomFlight flight(1);
