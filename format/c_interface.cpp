@@ -14,8 +14,7 @@
 #include "cairn/cairn.h"
 #include "cairn/pack_reader.h"
 #include "cairn/pack_sampler.h"
-#include "cairn/texture_tile.h"
-#include "format/block_texture.h"
+#include "format/imagery_tile.h"
 
 /// A pack, and the samplers that no call uses at the moment: a sampler belongs to one thread at a time and
 /// keeps decoded tiles from call to call.
@@ -100,17 +99,10 @@ Status read_imagery(const cairn_pack& pack, const TileId& id, std::uint8_t* rgba
   const auto texels = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
   const auto entry = find_tile(pack, Layer::imagery, id, texels * 4, count);
   if (!entry) return entry.error();
-  if ((entry->flags & kConstant) != 0) {
-    const auto colour = static_cast<std::uint32_t>(entry->min_quanta);  // R in the lowest byte
-    for (std::size_t i = 0; i < count; ++i) rgba[i] = static_cast<std::uint8_t>(colour >> i % 4 * 8);
-    return {};
-  }
-  const auto block = pack.reader.read_block(*entry);
-  if (!block) return block.error();
-  const auto tile = decode_texture_block(*block, side);
+  const auto tile = read_imagery_tile(pack.reader, *entry);
   if (!tile) return tile.error();
-  const auto finest = std::span(tile->texels).first(texture_image_bytes(tile->format, side));
-  return decode_texture(tile->format, finest, side, side, {rgba, count});
+  std::copy(tile->begin(), tile->end(), rgba);
+  return {};
 }
 
 Status sample_heights(PackSampler& sampler, std::size_t count, const double* lon, const double* lat,

@@ -38,6 +38,7 @@ int run(int argc, char** argv) {
   cairn::add_bake(app, exit_code);
   cairn::add_info(app, exit_code);
   cairn::add_verify(app, exit_code);
+  cairn::add_diff(app, exit_code);
   cairn::add_sample(app, exit_code);
   cairn::add_extract(app, exit_code);
   cairn::add_hillshade(app, exit_code);
