@@ -16,6 +16,9 @@ foreach(module cairn_gdal cairn_oiio cairn_proj)
     install(TARGETS ${module} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn COMPONENT programs)
   endif()
 endforeach()
+if(TARGET cairn_gdal_driver)
+  install(TARGETS cairn_gdal_driver LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/gdalplugins COMPONENT programs)
+endif()
 
 # 2. Man pages and completions, made from what the programs print on --help.
 find_package(Python3 COMPONENTS Interpreter)
