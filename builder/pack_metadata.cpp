@@ -89,6 +89,7 @@ Json sources_of(const Mosaic& mosaic, const HeightSummary& heights,
     if (s >= heights.posts_used.size() || heights.posts_used[s] == 0) continue;
     Json source = source_of(mosaic.pool().info(s), hashes[s]);
     source["posts_used"] = heights.posts_used[s];
+    source["posts_lost"] = s < heights.posts_lost.size() ? heights.posts_lost[s] : 0;
     sources.push_back(std::move(source));
   }
   return sources;

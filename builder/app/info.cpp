@@ -78,6 +78,8 @@ void print_sources(const char* kind, const Json& sources) {
     fmt::print("  {}", named ? source.at("name").get<std::string>() : "?");
     if (const double won = number(source, "posts_used"); !std::isnan(won))
       fmt::print("  {:.0f} posts won", won);
+    if (const double lost = number(source, "posts_lost"); lost > 0)
+      fmt::print(", {:.0f} lost to other sources", lost);
     fmt::print("\n");
   }
 }

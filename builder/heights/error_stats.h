@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/bytes.h"
 #include "cairn/geo.h"
+#include "format/bytes.h"
 
 namespace cairn {
 

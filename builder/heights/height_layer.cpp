@@ -10,6 +10,11 @@
 namespace cairn {
 namespace {
 
+void add_counts(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& more) {
+  sum.resize(std::max(sum.size(), more.size()));
+  for (std::size_t s = 0; s < more.size(); ++s) sum[s] += more[s];
+}
+
 void add_stats(std::vector<ErrorStats>& sum, const std::vector<ErrorStats>& more) {
   for (std::size_t i = 0; i < std::min(sum.size(), more.size()); ++i) sum[i].add(more[i]);
 }
@@ -69,8 +74,8 @@ void HeightLayer::merge_child(const HeightNode& child, HeightNode& parent) const
   parent.filled -= (1 - child.filled) / 4;
   parent.final_stats.add(child.final_stats);
   parent.has_stored = parent.has_stored || child.has_stored;
-  parent.posts_used.resize(child.posts_used.size());
-  for (std::size_t s = 0; s < child.posts_used.size(); ++s) parent.posts_used[s] += child.posts_used[s];
+  add_counts(parent.posts_used, child.posts_used);
+  add_counts(parent.posts_lost, child.posts_lost);
 
   const std::vector<double> errors = errors_above(child, plan_.quantum_m());
   if (parent.errors_m.empty()) {
@@ -113,8 +118,8 @@ TileBlock HeightLayer::encode(const HeightNode& node) const {
 
 void HeightLayer::finish_root(const HeightNode& root) {
   summary_.accuracy.add(root.final_stats);
-  summary_.posts_used.resize(root.posts_used.size());
-  for (std::size_t s = 0; s < root.posts_used.size(); ++s) summary_.posts_used[s] += root.posts_used[s];
+  add_counts(summary_.posts_used, root.posts_used);
+  add_counts(summary_.posts_lost, root.posts_lost);
 }
 
 }  // namespace cairn

@@ -15,6 +15,7 @@ namespace cairn {
 struct HeightSummary {
   ErrorStats accuracy;
   std::vector<std::uint64_t> posts_used;  ///< by source
+  std::vector<std::uint64_t> posts_lost;  ///< by source: those over which a source of another grid won
 };
 
 /// The heights layer of a bake, a TileLayer. A tile is pruned where its parent's surface is within the error

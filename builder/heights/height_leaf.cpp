@@ -10,6 +10,7 @@
 #include "builder/heights/error_stats.h"
 #include "builder/heights/geometric_error.h"
 #include "builder/heights/quantize_tile.h"
+#include "builder/resample/post_block.h"
 #include "format/simd_clones.h"
 
 namespace cairn {
@@ -149,6 +150,30 @@ void count_winners_of(const MeasuredPosts& posts, const std::vector<std::size_t>
   }
 }
 
+void count_losers_of(const MeasuredPosts& posts, const std::vector<std::size_t>& sources,
+                     const PostCounting& counting, std::vector<std::uint64_t>& lost) {
+  for (std::size_t r = 0; r < posts.ys.size(); ++r) {
+    for (std::size_t c = 0; c < posts.xs.size(); ++c) {
+      const std::size_t post = r * posts.xs.size() + c;
+      const std::uint16_t owner = posts.owners[post];
+      if (!std::isnan(posts.heights[post]) || !PostBlock::has_value(owner)) continue;
+      if (counting.counts(posts.xs[c], posts.ys[r])) ++lost[sources[owner - 1u]];
+    }
+  }
+  for (const auto& p : posts.lost) {
+    if (counting.counts(p.x, p.y)) ++lost[sources[p.owner - 1u]];
+  }
+}
+
+std::vector<std::uint64_t> count_losers(const Mosaic& mosaic, const MosaicTile& tile,
+                                        const PostCounting& counting) {
+  std::vector<std::uint64_t> lost(mosaic.pool().size(), 0);
+  // The first group has none above it.
+  for (std::size_t g = 1; g < tile.posts.size(); ++g)
+    count_losers_of(tile.posts[g], mosaic.groups()[tile.groups[g]]->sources(), counting, lost);
+  return lost;
+}
+
 std::vector<std::uint64_t> count_winners(const Mosaic& mosaic, const MosaicTile& tile,
                                          const PostCounting& counting) {
   std::vector<std::uint64_t> won(mosaic.pool().size(), 0);
@@ -178,6 +203,7 @@ HeightNode measure_leaf(const Mosaic& mosaic, const HeightPlan& plan, SampledLea
   if (node.edge_only) return node;
   measure_levels(plan, leaf.sampled, node);
   node.posts_used = count_winners(mosaic, leaf.sampled, plan.counting(node.id));
+  node.posts_lost = count_losers(mosaic, leaf.sampled, plan.counting(node.id));
   return node;
 }
 

@@ -19,6 +19,8 @@ void append_height_node(const HeightNode& node, std::vector<std::byte>& out) {
   for (const ErrorStats& stats : node.candidate_stats) stats.append_to(out);
   writer.write(static_cast<std::uint32_t>(node.posts_used.size()));
   for (const std::uint64_t won : node.posts_used) writer.write(won);
+  writer.write(static_cast<std::uint32_t>(node.posts_lost.size()));
+  for (const std::uint64_t lost : node.posts_lost) writer.write(lost);
   const std::vector<std::byte> block = encode_height_block(node.tile, default_height_codec());
   writer.write(static_cast<std::uint32_t>(block.size()));
   writer.append(block);
@@ -38,6 +40,8 @@ Result<HeightNode> read_height_node(ByteReader& in, int tile_size) {
     node.candidate_stats.push_back(ErrorStats::read_from(in));
   for (auto n = in.read<std::uint32_t>(); n > 0 && in.ok(); --n)
     node.posts_used.push_back(in.read<std::uint64_t>());
+  for (auto n = in.read<std::uint32_t>(); n > 0 && in.ok(); --n)
+    node.posts_lost.push_back(in.read<std::uint64_t>());
   const auto block = in.take(in.read<std::uint32_t>());
   if (!in.ok() || !is_valid(node.id)) return bad_data("journal: a finished subtree: expected more bytes");
   auto tile = decode_height_block(block, tile_size);

@@ -31,6 +31,7 @@ struct HeightNode {
 
   /// By number in the RasterPool: how many of the posts that count are the source's.
   std::vector<std::uint64_t> posts_used;
+  std::vector<std::uint64_t> posts_lost;  ///< by source: those over which another source won
 };
 
 /// For the journal: a finished subtree's root again after an interruption.

@@ -84,6 +84,13 @@ IndexRange hull(IndexRange a, IndexRange b) {
   return {std::min(a.first, b.first), std::max(a.last, b.last)};
 }
 
+// Whether `b`, moved around the Earth by whole turns, begins one post after `a` ends and lies beside it.
+bool follows(const IndexRange& a, const IndexRange& b, std::int64_t around, const IndexRange& across_a,
+             const IndexRange& across_b) {
+  return (b.first - a.last - 1) % around == 0 && across_a.first <= across_b.last + 1 &&
+         across_b.first <= across_a.last + 1;
+}
+
 std::vector<IndexWindow> extents_of(const RasterPool& pool,
                                     const std::vector<LatticeGroup::Member>& members) {
   std::vector<IndexWindow> extents;
@@ -125,13 +132,26 @@ LatticeGroup::LatticeGroup(RasterPool& pool, const Geoid* geoid, const Lattice& 
                     lattice.lat_of(m.placement.j0 + info.rows - 1)});
     sources_.push_back(m.source);
   }
+  // Members that touch lie one post apart; what is between them is the group's.
+  const std::vector<IndexWindow> extents = extents_of(pool, members_);
+  for (std::size_t m = 0; m < extents.size(); ++m) {
+    GeoBounds part = footprint_.rectangles()[m];
+    bool east = false, north = false;
+    for (const IndexWindow& other : extents) {
+      east = east || follows(extents[m].x, other.x, around_, extents[m].y, other.y);
+      north = north || follows(extents[m].y, other.y, kNeverWraps, extents[m].x, other.x);
+    }
+    if (east) part.east = lattice_.lon_of(extents[m].x.last + 1);
+    if (north) part.north = lattice_.lat_of(extents[m].y.last + 1);
+    area_.add(part);
+  }
 }
 
 void LatticeGroup::set_reach(double solid_degrees, double fade_degrees) {
   const double densest = std::max(lattice_.lon.posts_per_degree, lattice_.lat.posts_per_degree);
   solid_posts_ = solid_degrees * densest;
   fade_posts_ = fade_degrees * densest;
-  fill_.set_reach(static_cast<std::int64_t>(std::ceil(solid_posts_ + fade_posts_)));
+  fill_.set_reach(static_cast<std::int64_t>(std::ceil(solid_posts_)));
 }
 
 // Copies the member's posts, shifted by `turn` posts around the Earth, to where the block has no value yet.
@@ -270,6 +290,17 @@ MeasuredPosts LatticeGroup::posts_of(const SampleWindow& window, PostBlock&& blo
     posts.owners.insert(posts.owners.end(), block.owners.begin() + at, block.owners.begin() + end);
   }
   return posts;
+}
+
+NearestPlace LatticeGroup::nearest_within(const GeoBounds& bounds, double margin) const {
+  return [near = area_.near(bounds, 2 * margin)](LonLat place) { return near.nearest_to(place); };
+}
+
+Result<MeasuredPosts> LatticeGroup::posts(const SampleWindow& window) const {
+  auto block = read_posts(posts_within(lon_positions_, range_of(window.column, window.columns)),
+                          posts_within(lat_positions_, range_of(window.row, window.rows)));
+  if (!block) return block.error();
+  return posts_of(window, std::move(*block));
 }
 
 Result<GroupSamples> LatticeGroup::sample(const SampleWindow& window) const {

@@ -32,6 +32,8 @@ class LatticeGroup final : public SourceGroup {
                int native_level, double samples_per_degree, ResampleMethod method);
 
   void set_reach(double solid_degrees, double fade_degrees) override;
+  NearestPlace nearest_within(const GeoBounds& bounds, double margin) const override;
+  Result<MeasuredPosts> posts(const SampleWindow& window) const override;
   Result<GroupSamples> sample(const SampleWindow& window) const override;
 
   /// The mosaic's posts before voids are filled, wrapped around the Earth.
@@ -58,6 +60,7 @@ class LatticeGroup final : public SourceGroup {
   std::int64_t
       around_;  ///< posts around the Earth; so many that nothing wraps where 360 degrees are no whole number
   LatticeFill fill_;
+  Footprint area_;          ///< the footprint, and what lies between members that touch
   double solid_posts_ = 1;  ///< see set_reach()
   double fade_posts_ = 0;
 };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "builder/mosaic/geoid.h"
+#include "builder/mosaic/group_overlay.h"
 #include "builder/mosaic/source_group.h"
 #include "builder/raster/raster_pool.h"
 #include "cairn/mosaic_options.h"
@@ -17,18 +18,14 @@ namespace cairn {
 struct MosaicTile {
   std::vector<float> heights;  ///< metres, N·N, rows south to north; a smooth filler where the state is none
   std::vector<SampleState> states;   ///< empty where all are sourced
-  std::vector<MeasuredPosts> posts;  ///< one a group; those that lost to a source of higher priority are NaN
+  std::vector<MeasuredPosts> posts;  ///< by group; which of them lost see GroupOverlay
   std::vector<std::size_t> groups;   ///< which groups those are
 };
 
-/// All sources of a bake as one surface. Groups of sources win over one another as wholes: finer posts first,
-/// then the order on the command line. Beyond the edge of a group its heights fade into those beneath over
-/// one post of the coarsest group beneath, so there is no cliff; posts beneath lose as far as the fade_weight
-/// reaches. A group fades the same way into its voids, from their rims inwards, where something lies beneath.
-///
-/// A group is sampled at its native level only; where a finer group makes finer tiles, it is interpolated
-/// linearly from there. So a sample's height is a function of its place alone, whichever tile asks and at
-/// whatever level, and shared edges agree bit for bit.
+/// All sources of a bake as one surface. Groups of sources win over one another as wholes: those of finer
+/// posts first, then by the order on the command line. How they go over into one another says GroupOverlay.
+/// Beyond the rim of a group its difference from those beneath fades over one post of the coarsest of them;
+/// into its voids it fades as far.
 class Mosaic {
  public:
   static Result<std::unique_ptr<Mosaic>> open(const MosaicOptions& options, int tile_size,
@@ -67,30 +64,16 @@ class Mosaic {
   Result<MosaicTile> sample(const TileId& id) const;
 
  private:
-  struct Reach {
-    double solid = 0;  ///< degrees beyond the footprint in which the group alone counts: one of its posts
-    double fade = 0;   ///< and then, in which it fades into those beneath; 0 where nothing lies beneath
-  };
-
   Mosaic() = default;
-  void set_reaches();
-  double weight(std::size_t group, const Footprint& near, LonLat place) const;
-  std::vector<std::size_t> groups_touching(const GeoBounds& bounds) const;
-  struct GroupLayer {
-    std::size_t group = 0;
-    GroupSamples samples;
-  };
-  Result<std::vector<GroupLayer>> sample_layers(const SampleWindow& window, int level) const;
+  void overlay_groups(const MosaicOptions& options);
+  int finest_level_of(std::span<const std::size_t> groups) const;
   Result<MosaicTile> sample_window(const SampleWindow& window, int level) const;
-  void blend(std::size_t group, const SampleWindow& window, GroupSamples&& samples, MosaicTile& tile) const;
-  void drop_losing_posts(const SampleWindow& window, std::span<const std::size_t> touching,
-                         MosaicTile& tile) const;
 
   int tile_size_ = 513;
   std::unique_ptr<RasterPool> pool_;
   std::optional<Geoid> geoid_;
   std::vector<std::unique_ptr<SourceGroup>> groups_;  // highest priority first
-  std::vector<Reach> reaches_;                        // by group
+  std::optional<GroupOverlay> overlay_;               // a layer for each of them
   bool whole_metres_ = true;
 };
 

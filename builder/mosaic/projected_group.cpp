@@ -78,7 +78,6 @@ ProjectedGroup::ProjectedGroup(RasterPool& pool, const Geoid* geoid, Grid grid, 
   assert(grid_.members.size() < PostBlock::kVoid - 1u);
   native_level_ = native_level;
   spacing_degrees_ = 1.0 / posts_per_degree(grid_.georeference, members_.hull());
-  reaches_beyond_footprint_ = false;
   const int halvings = grid_.members.size() == 1 ? 3 : grid_.members.size() < 64 ? 2 : 0;
   for (const Member& m : grid_.members) {
     for (GeoBounds part : tight_bounds(pool.info(m.source), halvings)) {
@@ -243,6 +242,56 @@ Status ProjectedGroup::add_posts(const SampleWindow& window, MeasuredPosts& post
   };
   resampler_.visit_places(wanted, grown(window, 0), shifts_of(*read), add_row);
   return {};
+}
+
+Result<MeasuredPosts> ProjectedGroup::posts(const SampleWindow& window) const {
+  MeasuredPosts posts;
+  if (auto status = add_posts(window, posts); !status) return status.error();
+  return posts;
+}
+
+// In the area of these members, to which belongs what lies between four posts of theirs.
+LonLat ProjectedGroup::nearest_to(LonLat place, const std::vector<IndexWindow>& extents) const {
+  const LonLat far_away{place.lon + 360, place.lat};
+  const auto post = grid_.georeference.post_at(place);
+  if (!std::isfinite(post.column) || !std::isfinite(post.row)) return far_away;
+  const auto is_covered = [&](double column, double row) {
+    const auto c = static_cast<std::int64_t>(column), r = static_cast<std::int64_t>(row);
+    return std::any_of(extents.begin(), extents.end(),
+                       [&](const IndexWindow& e) { return e.x.holds(c) && e.y.holds(r); });
+  };
+  const double c0 = std::floor(post.column), c1 = std::ceil(post.column);
+  const double r0 = std::floor(post.row), r1 = std::ceil(post.row);
+  if (is_covered(c0, r0) && is_covered(c1, r0) && is_covered(c0, r1) && is_covered(c1, r1)) return place;
+  double least = std::numeric_limits<double>::infinity();
+  Georeference::ColumnRow nearest;
+  for (const IndexWindow& e : extents) {
+    const double column =
+        std::clamp(post.column, static_cast<double>(e.x.first), static_cast<double>(e.x.last));
+    const double row = std::clamp(post.row, static_cast<double>(e.y.first), static_cast<double>(e.y.last));
+    const double away = std::hypot(column - post.column, row - post.row);
+    if (away >= least) continue;
+    least = away;
+    nearest = {column, row};
+  }
+  if (!std::isfinite(least)) return far_away;
+  if (least == 0) return place;
+  LonLat rim = grid_.georeference.place_of(nearest.column, nearest.row);
+  rim.lon = place.lon + std::remainder(rim.lon - place.lon, 360);
+  return rim;
+}
+
+NearestPlace ProjectedGroup::nearest_within(const GeoBounds& bounds, double margin) const {
+  const auto sample_of = [&](double degrees, double origin) {
+    return static_cast<std::int64_t>(std::floor((degrees + origin) * samples_per_degree_));
+  };
+  const IndexWindow samples{{sample_of(bounds.west - margin, 180), sample_of(bounds.east + margin, 180) + 1},
+                            {sample_of(std::max(bounds.south - margin, -90.0), 90),
+                             sample_of(std::min(bounds.north + margin, 90.0), 90) + 1}};
+  std::vector<IndexWindow> extents;
+  for (const std::size_t member : members_.overlapping(resampler_.posts_near(samples)))
+    extents.push_back(members_.extents()[member]);
+  return [this, extents = std::move(extents)](LonLat place) { return nearest_to(place, extents); };
 }
 
 Result<GroupSamples> ProjectedGroup::sample(const SampleWindow& window) const {

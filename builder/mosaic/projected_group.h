@@ -39,6 +39,8 @@ class ProjectedGroup final : public SourceGroup {
                  double tolerance_m);
 
   void set_reach(double /*solid*/, double /*fade*/) override {}  // it ends where its posts end
+  NearestPlace nearest_within(const GeoBounds& bounds, double margin) const override;
+  Result<MeasuredPosts> posts(const SampleWindow& window) const override;
   Result<GroupSamples> sample(const SampleWindow& window) const override;
 
  private:
@@ -56,6 +58,7 @@ class ProjectedGroup final : public SourceGroup {
   Result<BlockPointer> block_at(std::int64_t x, std::int64_t y) const;
   Result<BlockPointer> make_block(std::int64_t x, std::int64_t y) const;
   Status fill_block(Block& block) const;
+  LonLat nearest_to(LonLat place, const std::vector<IndexWindow>& extents) const;
   Status add_posts(const SampleWindow& window, MeasuredPosts& posts) const;
 
   RasterPool& pool_;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "builder/mosaic/sample_window.h"
@@ -28,6 +29,7 @@ struct MeasuredPosts {
     std::uint16_t owner = 0;
   };
   std::vector<Placed> placed;
+  std::vector<Placed> lost;  ///< those that lost to a group above; of a lattice they have NaN and an owner
 };
 
 /// What a group of sources says about a window of samples.
@@ -39,6 +41,9 @@ struct GroupSamples {
   std::vector<float> fill_weights;
   MeasuredPosts posts;  ///< in the closed window
 };
+
+/// The place in an area that is nearest to a place, by the larger of the two axes' distances; itself inside.
+using NearestPlace = std::function<LonLat(LonLat)>;
 
 /// Sources that are resampled together: rasters on one lattice, or one projected raster. Sampling is a pure
 /// function of the world's sample grid: windows that share a sample give it the same bits. Safe to call from
@@ -55,18 +60,24 @@ class SourceGroup {
   double samples_per_post() const { return samples_per_post_; }
   /// Whether every post lies on a sample.
   bool posts_on_samples() const { return posts_on_samples_; }
-  /// Whether its heights go on smoothly beyond its footprint, to fade there; else it ends where its posts
-  /// end.
-  bool reaches_beyond_footprint() const { return reaches_beyond_footprint_; }
   const Footprint& footprint() const { return footprint_; }
   /// The members' numbers in the RasterPool, by the order in which they win.
   const std::vector<std::size_t>& sources() const { return sources_; }
 
-  /// How the group ends, beyond its footprint and inside its voids, in degrees: so far it counts alone, and
-  /// so much farther it fades into what lies beneath (0 where nothing does). Before any sample() only.
+  /// How the group ends inside its voids, in degrees: so far from their rims it counts alone, and so much
+  /// farther it fades into what lies beneath (0 where nothing does). Before any sample() only.
   virtual void set_reach(double solid_degrees, double fade_degrees) = 0;
   /// How smooth resampling keeps the posts. Before any sample() only.
   void set_tolerance(const SmoothTolerance& tolerance) { tolerance_ = tolerance; }
+
+  /// The nearest place in the area of the group's posts, for places in `bounds` grown by `margin` degrees
+  /// that are no farther than that from it; for others any place farther away. It refers to the group.
+  virtual NearestPlace nearest_within(const GeoBounds& bounds, double margin) const {
+    return [near = footprint_.near(bounds, 2 * margin)](LonLat place) { return near.nearest_to(place); };
+  }
+
+  /// The posts in the closed window alone, without samples. REQUIRES: as sample().
+  virtual Result<MeasuredPosts> posts(const SampleWindow& window) const = 0;
 
   /// REQUIRES: the window has the native level's density.
   virtual Result<GroupSamples> sample(const SampleWindow& window) const = 0;
@@ -76,7 +87,6 @@ class SourceGroup {
   double spacing_degrees_ = 0;
   double samples_per_post_ = 1;
   bool posts_on_samples_ = false;
-  bool reaches_beyond_footprint_ = true;
   Footprint footprint_;
   std::vector<std::size_t> sources_;
   SmoothTolerance tolerance_;

@@ -5,6 +5,7 @@
 
 #include "builder/mosaic/lattice_group.h"
 #include "builder/mosaic/projected_group.h"
+#include "builder/mosaic/source_order.h"
 
 namespace cairn {
 namespace {
@@ -98,10 +99,7 @@ Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool
     groups.push_back(
         std::make_unique<ProjectedGroup>(pool, geoid, std::move(g), level, tile_size, tolerance));
   }
-  std::sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) {
-    if (a->spacing_degrees() != b->spacing_degrees()) return a->spacing_degrees() < b->spacing_degrees();
-    return a->sources().front() < b->sources().front();
-  });
+  sort_by_priority(pool, groups);
   return groups;
 }
 

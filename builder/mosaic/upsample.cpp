@@ -46,6 +46,48 @@ std::vector<std::size_t> move_into(std::vector<double>& places, std::int64_t fro
   return kept;
 }
 
+std::vector<MeasuredPosts::Placed> placed_in(const std::vector<MeasuredPosts::Placed>& placed,
+                                             const SampleWindow& from, const SampleWindow& to, int levels) {
+  std::vector<MeasuredPosts::Placed> out;
+  for (MeasuredPosts::Placed p : placed) {
+    p.x = std::ldexp(p.x + static_cast<double>(from.column), levels) - static_cast<double>(to.column);
+    p.y = std::ldexp(p.y + static_cast<double>(from.row), levels) - static_cast<double>(to.row);
+    if (p.x >= 0 && p.y >= 0 && p.x <= to.columns - 1 && p.y <= to.rows - 1) out.push_back(p);
+  }
+  return out;
+}
+
+// Interpolates values between the coarse samples.
+std::vector<float> interpolated(const std::vector<float>& values, const std::vector<Neighbours>& columns,
+                                const std::vector<Neighbours>& rows, int coarse_columns) {
+  std::vector<float> out;
+  out.reserve(columns.size() * rows.size());
+  for (const Neighbours& r : rows) {
+    const float* low = values.data() + r.low * coarse_columns;
+    const float* high = values.data() + r.high * coarse_columns;
+    for (const Neighbours& c : columns) {
+      out.push_back(between(between(low[c.low], low[c.high], c.fraction),
+                            between(high[c.low], high[c.high], c.fraction), r.fraction));
+    }
+  }
+  return out;
+}
+
+// Combines what the samples around each place are.
+template <class T, class Combine>
+std::vector<T> combined(const std::vector<T>& values, const std::vector<Neighbours>& columns,
+                        const std::vector<Neighbours>& rows, int coarse_columns, const Combine& combine) {
+  const auto at = [&](int c, int r) { return values[static_cast<std::size_t>(r * coarse_columns + c)]; };
+  std::vector<T> out;
+  out.reserve(columns.size() * rows.size());
+  for (const Neighbours& r : rows)
+    for (const Neighbours& c : columns)
+      out.push_back(combine({at(c.low, r.low), at(c.high, r.low), at(c.low, r.high), at(c.high, r.high)}));
+  return out;
+}
+
+}  // namespace
+
 MeasuredPosts posts_in(const MeasuredPosts& posts, const SampleWindow& from, const SampleWindow& to,
                        int levels) {
   MeasuredPosts out;
@@ -59,15 +101,10 @@ MeasuredPosts posts_in(const MeasuredPosts& posts, const SampleWindow& from, con
       out.owners.push_back(posts.owners[r * posts.xs.size() + c]);
     }
   }
-  for (MeasuredPosts::Placed p : posts.placed) {
-    p.x = std::ldexp(p.x + static_cast<double>(from.column), levels) - static_cast<double>(to.column);
-    p.y = std::ldexp(p.y + static_cast<double>(from.row), levels) - static_cast<double>(to.row);
-    if (p.x >= 0 && p.y >= 0 && p.x <= to.columns - 1 && p.y <= to.rows - 1) out.placed.push_back(p);
-  }
+  out.placed = placed_in(posts.placed, from, to, levels);
+  out.lost = placed_in(posts.lost, from, to, levels);
   return out;
 }
-
-}  // namespace
 
 SampleWindow coarser_window(const SampleWindow& window, int levels) {
   const auto last = [levels](std::int64_t fine) { return -((-fine) >> levels); };  // rounded up
@@ -82,33 +119,32 @@ GroupSamples upsample(const GroupSamples& coarse, const SampleWindow& window, in
   const SampleWindow from = coarser_window(window, levels);
   const auto columns = neighbours(window.column, window.columns, from.column, levels);
   const auto rows = neighbours(window.row, window.rows, from.row, levels);
-  const auto interpolate = [&](const std::vector<float>& values, std::vector<float>& out) {
-    out.reserve(window.count());
-    for (const Neighbours& r : rows) {
-      const float* low = values.data() + r.low * from.columns;
-      const float* high = values.data() + r.high * from.columns;
-      for (const Neighbours& c : columns) {
-        out.push_back(between(between(low[c.low], low[c.high], c.fraction),
-                              between(high[c.low], high[c.high], c.fraction), r.fraction));
-      }
-    }
-  };
+  const auto worst = [](std::initializer_list<SampleState> around) { return std::min(around); };
   GroupSamples fine;
-  interpolate(coarse.heights, fine.heights);
-  if (!coarse.fill_weights.empty()) interpolate(coarse.fill_weights, fine.fill_weights);
-  if (!coarse.states.empty()) {
-    const auto state = [&](int c, int r) {
-      return coarse.states[static_cast<std::size_t>(r * from.columns + c)];
-    };
-    for (const Neighbours& r : rows) {
-      for (const Neighbours& c : columns) {
-        fine.states.push_back(std::min(
-            {state(c.low, r.low), state(c.high, r.low), state(c.low, r.high), state(c.high, r.high)}));
-      }
-    }
-  }
+  fine.heights = interpolated(coarse.heights, columns, rows, from.columns);
+  if (!coarse.fill_weights.empty())
+    fine.fill_weights = interpolated(coarse.fill_weights, columns, rows, from.columns);
+  if (!coarse.states.empty()) fine.states = combined(coarse.states, columns, rows, from.columns, worst);
   fine.posts = posts_in(coarse.posts, from, window, levels);
   return fine;
+}
+
+OverlaidSamples upsample(const OverlaidSamples& coarse, const SampleWindow& from, const SampleWindow& window,
+                         int levels) {
+  const auto columns = neighbours(window.column, window.columns, from.column, levels);
+  const auto rows = neighbours(window.row, window.rows, from.row, levels);
+  OverlaidSamples fine;
+  fine.heights = interpolated(coarse.heights, columns, rows, from.columns);
+  fine.states = combined(coarse.states, columns, rows, from.columns,
+                         [](std::initializer_list<SampleState> around) { return std::min(around); });
+  fine.touched = combined(coarse.touched, columns, rows, from.columns,
+                          [](std::initializer_list<std::uint8_t> around) { return std::max(around); });
+  for (const MeasuredPosts& posts : coarse.posts) fine.posts.push_back(posts_in(posts, from, window, levels));
+  return fine;
+}
+
+OverlaidSamples cut(const OverlaidSamples& samples, const SampleWindow& from, const SampleWindow& window) {
+  return upsample(samples, from, window, 0);
 }
 
 }  // namespace cairn

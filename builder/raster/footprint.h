@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include "cairn/geo.h"
@@ -21,6 +23,10 @@ class Footprint {
   /// Degrees from the place to the nearest rectangle, the larger of the two axes' distances; 0 inside.
   double distance_to(LonLat place) const;
 
+  /// The place in a rectangle that is nearest, by the larger of the two axes' distances; itself inside, and
+  /// where there are no rectangles. Its longitude is counted on from the place's.
+  LonLat nearest_to(LonLat place) const;
+
   /// The rectangles that come within `margin` degrees of this one.
   Footprint near(const GeoBounds& rectangle, double margin) const;
 
@@ -31,7 +37,16 @@ class Footprint {
   bool overlaps(const GeoBounds& rectangle, double margin = 0) const;
 
  private:
+  /// Calls visit(rectangle) for all that may come within `margin` degrees of the area, until one returns
+  /// true; returns whether one did.
+  template <class Visit>
+  bool any_near(const GeoBounds& area, double margin, const Visit& visit) const;
+
   std::vector<GeoBounds> rectangles_;
+  /// Numbers of rectangles by cell of whole degrees, so that thousands of files cost no more than a few;
+  /// those of more cells than are worth it stand apart.
+  std::unordered_map<int, std::vector<std::uint32_t>> by_cell_;
+  std::vector<std::uint32_t> large_;
 };
 
 }  // namespace cairn

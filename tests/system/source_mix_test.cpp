@@ -1,9 +1,15 @@
 // Bakes of sources that go together in ways that once went wrong.
 
+#include <cmath>
+
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "cairn/bake_estimate.h"
 #include "cairn/build.h"
+#include "cairn/pack_reader.h"
+#include "cairn/pack_sampler.h"
+#include "format/pack_verify.h"
 #include "tests/support/dem_files.h"
 #include "tests/support/test_bake.h"
 #include "tests/support/test_data.h"
@@ -24,7 +30,173 @@ TiffRecipe lattice(double west, double north, double posts_per_degree, int colum
   return recipe;
 }
 
+// A raster of floats in lat/long that holds `height`; posts at the places of a pixel-is-area file whose
+// north-western corner is given, or of a pixel-is-point one whose first post that is.
+struct Sheet {
+  double west = 0, north = 0;
+  double per_lon = 1, per_lat = 1;  // posts a degree
+  int columns = 0, rows = 0;
+  bool area = false;
+
+  LonLat place(int column, int row) const {
+    const double half = area ? 0.5 : 0;
+    return {west + (column + half) / per_lon, north - (row + half) / per_lat};
+  }
+};
+
+template <class Height>
+void write_sheet(const fs::path& path, const Sheet& sheet, const Height& height) {
+  TiffRecipe recipe = lattice(sheet.west, sheet.north, 1, sheet.columns, sheet.rows);
+  recipe.type = SampleType::float32;
+  recipe.keys[1025] = sheet.area ? 1 : 2;
+  recipe.pixel_scale = {1 / sheet.per_lon, 1 / sheet.per_lat, 0};
+  recipe.sample = [&](int, std::int64_t column, std::int64_t row) {
+    return height(sheet.place(static_cast<int>(column), static_cast<int>(row)));
+  };
+  write_tiff(path, recipe);
+}
+
+// How far the pack is from the heights at the sheet's posts, at most, of those that `counts` accepts.
+template <class Height, class Counts>
+double worst_at_posts(PackSampler& sampler, const Sheet& sheet, const Height& height, const Counts& counts) {
+  double worst = 0;
+  for (int row = 0; row < sheet.rows; ++row) {
+    for (int column = 0; column < sheet.columns; ++column) {
+      const LonLat place = sheet.place(column, row);
+      if (!counts(place)) continue;
+      const auto found = sampler.height_at(place);
+      REQUIRE(found.ok());
+      REQUIRE(found->has_value());
+      worst = std::max(worst, std::abs((*found)->metres - height(place)));
+    }
+  }
+  return worst;
+}
+
+bool everywhere(LonLat) {
+  return true;
+}
+
+double hills(LonLat p) {
+  return 700 + 300 * std::sin(p.lon * 40) * std::cos(p.lat * 35) + 80 * std::sin(p.lon * 170 + p.lat * 130);
+}
+
+// 30° steep, eastwards.
+double slope(LonLat p) {
+  return 1500 + (p.lon - 6) * 78'600 * 0.57735;
+}
+
+PackReader baked(const std::vector<fs::path>& files, const fs::path& target) {
+  bake(bake_options(files, target));
+  const auto verified = verify_pack(target, {2, 10});
+  REQUIRE(verified.ok());
+  for (const Finding& f : verified->findings) UNSCOPED_INFO(f.where << ": " << f.what);
+  CHECK(verified->ok());
+  auto pack = PackReader::open(target);
+  REQUIRE(pack.ok());
+  return std::move(*pack);
+}
+
+nlohmann::json sources_of(const PackReader& pack) {
+  return nlohmann::json::parse(pack.metadata_json()).at("sources");
+}
+
 }  // namespace
+
+TEST_CASE("rasters of different spacing that touch keep every post of both") {
+  const TempDir folder;
+  const fs::path a = folder.path() / "a.tif", b = folder.path() / "b.tif";
+  struct Pair {
+    Sheet south, north;
+  };
+  for (const Pair& pair :
+       {// Copernicus GLO-30 at 50°: the southern tile's last row lies on the parallel.
+        Pair{{10, 50, 360, 360, 300, 120}, {10, 50.5, 240, 360, 200, 180}},
+        // Pixels that touch: the posts on both sides lie half a pixel off the line.
+        Pair{{10, 50, 300, 300, 200, 150, true}, {10, 50.5, 200, 200, 140, 100, true}},
+        Pair{{10, 50.0123, 300, 300, 200, 150, true}, {10, 50.5123, 290, 310, 200, 155, true}},
+        // Cells that share a row, as DTED's do where the spacing changes.
+        Pair{{10, 50, 300, 300, 200, 150}, {10, 50.4, 150, 300, 100, 121}}}) {
+    for (const bool south_first : {true, false}) {
+      write_sheet(a, pair.south, hills);
+      write_sheet(b, pair.north, hills);
+      const std::vector<fs::path> files = south_first ? std::vector{a, b} : std::vector{b, a};
+      const PackReader pack = baked(files, folder.path() / "o.cairn");
+      PackSampler sampler(pack, 64);
+      INFO(pair.north.north << " " << south_first);
+      CHECK(worst_at_posts(sampler, pair.south, hills, everywhere) <= 0.05);
+      CHECK(worst_at_posts(sampler, pair.north, hills, everywhere) <= 0.05);
+    }
+  }
+}
+
+TEST_CASE("sources that agree leave no step, and those that do not a ramp") {
+  const TempDir folder;
+  const fs::path fine_path = folder.path() / "fine.tif", coarse_path = folder.path() / "coarse.tif";
+  const Sheet coarse{5.9, 45.1, 300, 300, 60, 60, true}, fine{6.000012, 45.05, 900, 900, 60, 60, true};
+  const auto surface_at = [](PackSampler& sampler, double lon) {
+    const auto found = sampler.height_at({lon, 45.02});
+    REQUIRE(found.ok());
+    REQUIRE(found->has_value());
+    return (*found)->metres;
+  };
+  write_sheet(coarse_path, coarse, slope);
+  write_sheet(fine_path, fine, slope);
+  {
+    const PackReader pack = baked({coarse_path, fine_path}, folder.path() / "o.cairn");
+    PackSampler sampler(pack, 64);
+    for (double lon = 5.97; lon < 6.06; lon += 0.00011)
+      CHECK(std::abs(surface_at(sampler, lon) - slope({lon, 45.02})) < 0.5);
+  }
+  write_sheet(fine_path, fine, [](LonLat p) { return slope(p) + 20; });
+  {
+    const PackReader pack = baked({fine_path, coarse_path}, folder.path() / "o.cairn");
+    PackSampler sampler(pack, 64);
+    const double rim = fine.place(0, 0).lon, width = 1 / coarse.per_lon;
+    CHECK(surface_at(sampler, rim + 0.001) - slope({rim + 0.001, 0}) == Approx(20).margin(0.5));
+    CHECK(surface_at(sampler, rim - width / 2) - slope({rim - width / 2, 0}) == Approx(10).margin(2));
+    CHECK(surface_at(sampler, rim - 1.3 * width) - slope({rim - 1.3 * width, 0}) == Approx(0).margin(0.5));
+    const auto is_outside = [&](LonLat p) {
+      return std::max({rim - p.lon, fine.place(0, 59).lat - p.lat, p.lat - fine.place(0, 0).lat,
+                       p.lon - fine.place(59, 0).lon}) > width;
+    };
+    CHECK(worst_at_posts(sampler, coarse, slope, is_outside) <= 0.05);
+    CHECK(worst_at_posts(
+              sampler, fine, [](LonLat p) { return slope(p) + 20; }, everywhere) <= 0.05);
+  }
+}
+
+TEST_CASE("posts that lose where sources overlap are counted, each post once") {
+  const TempDir folder;
+  const fs::path fine_path = folder.path() / "fine.tif", coarse_path = folder.path() / "coarse.tif";
+  const Sheet coarse{5.9, 45.1, 300, 300, 60, 60, true}, fine{6.000012, 45.05, 900, 900, 60, 60, true};
+  write_sheet(coarse_path, coarse, hills);
+  write_sheet(fine_path, fine, hills);
+  const auto sources = sources_of(baked({fine_path, coarse_path}, folder.path() / "o.cairn"));
+  CHECK(sources[0]["posts_used"] == 3600);
+  CHECK(sources[0]["posts_lost"] == 0);
+  CHECK(sources[1]["posts_used"].get<int>() + sources[1]["posts_lost"].get<int>() == 3600);
+  CHECK(sources[1]["posts_lost"].get<int>() >= 20 * 20);
+  CHECK(sources[1]["posts_lost"].get<int>() <= 24 * 24);
+}
+
+TEST_CASE("the order of the command line decides between sources of equal spacing") {
+  const TempDir folder;
+  const fs::path a = folder.path() / "a.tif", b = folder.path() / "b.tif";
+  const Sheet first{10, 50, 300, 300, 60, 60}, second{10.1, 50, 297, 297, 60, 60};
+  write_sheet(a, first, [](LonLat) { return 100.0; });
+  write_sheet(b, second, [](LonLat) { return 200.0; });
+  const auto height = [&](const BuildOptions& options) {
+    bake(options);
+    auto pack = PackReader::open(options.session.target);
+    REQUIRE(pack.ok());
+    PackSampler sampler(*pack, 8);
+    return (*sampler.height_at({10.15, 49.9}))->metres;
+  };
+  const fs::path target = folder.path() / "o.cairn";
+  CHECK(height(bake_options({a, b}, target)) == Approx(100));
+  CHECK(height(bake_options({b, a}, target)) == Approx(200));
+}
 
 TEST_CASE("a region of a fine DEM over one of the whole Earth is baked") {
   const TempDir folder;

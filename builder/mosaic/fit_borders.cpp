@@ -1,0 +1,157 @@
+#include "builder/mosaic/fit_borders.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "builder/resample/post_fit.h"
+
+namespace cairn {
+namespace {
+
+constexpr std::int64_t kBlock = kFitBlock;
+constexpr std::int64_t kHalo = kFitReach;
+
+std::int64_t rounded_down(std::int64_t at) {
+  return at >= 0 ? at / kBlock * kBlock : -((-at + kBlock - 1) / kBlock) * kBlock;
+}
+
+struct Post {
+  double x = 0;  // samples from the window's corner
+  double y = 0;
+  float height = 0;
+};
+
+std::vector<Post> posts_of(const OverlaidSamples& samples) {
+  std::vector<Post> all;
+  for (const MeasuredPosts& posts : samples.posts) {
+    for (std::size_t r = 0; r < posts.ys.size(); ++r)
+      for (std::size_t c = 0; c < posts.xs.size(); ++c) {
+        const float height = posts.heights[r * posts.xs.size() + c];
+        if (!std::isnan(height)) all.push_back({posts.xs[c], posts.ys[r], height});
+      }
+    for (const MeasuredPosts::Placed& p : posts.placed) all.push_back({p.x, p.y, p.height});
+  }
+  return all;
+}
+
+// A block with its halo, cut out of the window.
+struct Block {
+  int column = 0;  // of the halo's south-western sample in the window
+  int row = 0;
+  int side = 0;  // halo included
+};
+
+// Marks the samples of the block within kFitReach of a line between groups; empty where none runs through it.
+std::vector<std::uint8_t> near_line(const Block& block, const SampleWindow& window,
+                                    const std::vector<std::uint8_t>& touched) {
+  const int side = block.side;
+  std::vector<std::uint8_t> line(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+  bool any = false;
+  for (int r = 0; r < side; ++r) {
+    const auto row =
+        touched.begin() + static_cast<std::ptrdiff_t>(block.row + r) * window.columns + block.column;
+    for (int c = 0; c < side; ++c) {
+      const bool differs =
+          (c + 1 < side && row[c] != row[c + 1]) || (r + 1 < side && row[c] != row[c + window.columns]);
+      line[static_cast<std::size_t>(r * side + c)] = differs ? 1 : 0;
+      any = any || differs;
+    }
+  }
+  if (!any) return {};
+  // The greatest within reach, along rows and then along columns.
+  const auto spread = [side](const std::vector<std::uint8_t>& from, int step, int across) {
+    std::vector<std::uint8_t> to(from.size());
+    for (int line_number = 0; line_number < side; ++line_number) {
+      int last = -2 * side;
+      for (int i = 0; i < side + kFitReach; ++i) {
+        if (i < side && from[static_cast<std::size_t>(line_number * across + i * step)] != 0) last = i;
+        const int at = i - kFitReach;
+        if (at >= 0 && last >= at - kFitReach)
+          to[static_cast<std::size_t>(line_number * across + at * step)] = 1;
+      }
+    }
+    return to;
+  };
+  return spread(spread(line, 1, side), side, 1);
+}
+
+// The samples of the block, fitted; empty where nothing is to be done.
+std::vector<float> fitted(const Block& block, const SampleWindow& window, const std::vector<Post>& posts,
+                          const std::vector<float>& heights, double tolerance_m, double allowance_m) {
+  const auto side = static_cast<std::size_t>(block.side);
+  std::vector<float> samples(side * side);
+  for (int r = 0; r < block.side; ++r)
+    std::copy_n(heights.begin() + static_cast<std::ptrdiff_t>(block.row + r) * window.columns + block.column,
+                block.side, samples.begin() + static_cast<std::ptrdiff_t>(r) * block.side);
+  PostEquations equations(block.side);
+  bool off = false;
+  for (const Post& p : posts) {
+    const double x = p.x - block.column, y = p.y - block.row;
+    if (x < 0 || y < 0 || x > block.side - 1 || y > block.side - 1) continue;
+    const double c = std::min(std::floor(x), block.side - 2.0), r = std::min(std::floor(y), block.side - 2.0);
+    const double s = x - c, t = y - r;
+    const auto corner = static_cast<std::size_t>(r) * side + static_cast<std::size_t>(c);
+    const double south =
+        (1 - s) * static_cast<double>(samples[corner]) + s * static_cast<double>(samples[corner + 1]);
+    const double north = (1 - s) * static_cast<double>(samples[corner + side]) +
+                         s * static_cast<double>(samples[corner + side + 1]);
+    const double surface = (1 - t) * south + t * north;
+    if (std::isnan(surface)) continue;  // beside the end of all groups
+    const bool within = std::abs(surface - static_cast<double>(p.height)) <= allowance_m;
+    off = off || !within;
+    equations.add(static_cast<std::int64_t>(corner), s, t, within ? static_cast<float>(surface) : p.height);
+  }
+  if (!off) return {};
+  std::vector<bool> absent(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    absent[i] = std::isnan(samples[i]);
+    if (absent[i]) samples[i] = 0;
+  }
+  (void)equations.fit(samples, tolerance_m);
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (absent[i]) samples[i] = std::nanf("");
+  return samples;
+}
+
+}  // namespace
+
+SampleWindow fit_window(const SampleWindow& window) {
+  SampleWindow wide = window;
+  wide.column = rounded_down(window.column) - kHalo;
+  wide.row = rounded_down(window.row) - kHalo;
+  const std::int64_t east = rounded_down(window.column + window.columns - 1) + kBlock + kHalo;
+  const std::int64_t north = rounded_down(window.row + window.rows - 1) + kBlock + kHalo;
+  wide.columns = static_cast<int>(east - wide.column);
+  wide.rows = static_cast<int>(north - wide.row);
+  return wide;
+}
+
+void fit_borders(const SampleWindow& window, OverlaidSamples& samples, double tolerance_m,
+                 double allowance_m) {
+  constexpr int kSide = static_cast<int>(kBlock), kAround = static_cast<int>(kHalo);
+  std::vector<Post> posts;
+  const std::vector<float> before = samples.heights;
+  const std::vector<std::uint8_t> touched = samples.touched;
+  for (int row = 0; row + kSide + 2 * kAround <= window.rows; row += kSide) {
+    for (int column = 0; column + kSide + 2 * kAround <= window.columns; column += kSide) {
+      const Block block{column, row, kSide + 2 * kAround};
+      const std::vector<std::uint8_t> near = near_line(block, window, touched);
+      if (near.empty()) continue;
+      if (posts.empty()) posts = posts_of(samples);
+      const std::vector<float> fit = fitted(block, window, posts, before, tolerance_m, allowance_m);
+      if (fit.empty()) continue;
+      for (int r = kAround; r < kAround + kSide; ++r) {
+        for (int c = kAround; c < kAround + kSide; ++c) {
+          const auto from = static_cast<std::size_t>(r * block.side + c);
+          const auto to = static_cast<std::size_t>(row + r) * static_cast<std::size_t>(window.columns) +
+                          static_cast<std::size_t>(column + c);
+          if (near[from] == 0 || fit[from] == before[to] || std::isnan(fit[from])) continue;
+          samples.heights[to] = fit[from];
+          samples.touched[to] = std::max<std::uint8_t>(samples.touched[to], 1);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace cairn

@@ -1,0 +1,63 @@
+#include "builder/mosaic/source_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace cairn {
+namespace {
+
+constexpr double kMetresPerDegree = 111'195;  // on a sphere of the Earth's mean radius
+constexpr double kEqualSpacing = 1.05;
+
+double metres_between(LonLat a, LonLat b) {
+  const double lat = (a.lat + b.lat) / 2 * std::numbers::pi / 180;
+  const double east = std::remainder(b.lon - a.lon, 360) * std::cos(lat);
+  return std::hypot(east, b.lat - a.lat) * kMetresPerDegree;
+}
+
+// In the middle of the raster.
+double spacing_m(const RasterInfo& info) {
+  const auto column = static_cast<double>(info.columns / 2), row = static_cast<double>(info.rows / 2);
+  const LonLat here = info.georeference.place_of(column, row);
+  return std::max(metres_between(here, info.georeference.place_of(column + 1, row)),
+                  metres_between(here, info.georeference.place_of(column, row + 1)));
+}
+
+struct Ranked {
+  std::unique_ptr<SourceGroup> group;
+  double spacing = 0;
+  int fineness = 0;  // equal for spacings that count as equal; the finest first
+};
+
+Ranked ranked(const RasterPool& pool, std::unique_ptr<SourceGroup> group) {
+  Ranked rank{std::move(group)};
+  rank.spacing = spacing_m(pool.info(rank.group->sources().front()));
+  return rank;
+}
+
+}  // namespace
+
+void sort_by_priority(const RasterPool& pool, std::vector<std::unique_ptr<SourceGroup>>& groups) {
+  std::vector<Ranked> ranks;
+  for (auto& group : groups) ranks.push_back(ranked(pool, std::move(group)));
+  std::sort(ranks.begin(), ranks.end(),
+            [](const Ranked& a, const Ranked& b) { return a.spacing < b.spacing; });
+  double finest_of_class = 0;
+  int fineness = 0;
+  for (Ranked& rank : ranks) {
+    if (rank.spacing > finest_of_class * kEqualSpacing) {
+      finest_of_class = rank.spacing;
+      ++fineness;
+    }
+    rank.fineness = fineness;
+  }
+  std::sort(ranks.begin(), ranks.end(), [](const Ranked& a, const Ranked& b) {
+    return std::pair(a.fineness, a.group->sources().front()) <
+           std::pair(b.fineness, b.group->sources().front());
+  });
+  for (std::size_t g = 0; g < groups.size(); ++g) groups[g] = std::move(ranks[g].group);
+}
+
+}  // namespace cairn
