@@ -10,6 +10,8 @@ namespace cairn {
 namespace {
 
 constexpr std::int64_t kPassPosts = 1024;  // along a side of a block of the gathering pass
+constexpr std::int64_t kSlopePosts = 8;    // beyond a member's edge over which its slope goes on
+constexpr std::int64_t kSlopeOf = 2;       // posts behind the one at the edge that the slope comes from
 
 IndexWindow window_of(const PostBlock& block) {
   return {{block.i0, block.i0 + block.columns - 1}, {block.j0, block.j0 + block.rows - 1}};
@@ -61,6 +63,22 @@ IndexRange clamped(const IndexRange& range, const IndexRange& to) {
 
 std::int64_t beyond(std::int64_t at, const IndexRange& range) {
   return std::max({range.first - at, at - range.last, std::int64_t{0}});
+}
+
+// The smaller of two slopes, 0 where they differ in sign (the minmod limiter: Roe 1986): a plane goes on as a
+// plane, and a cliff at the edge ends there.
+float smaller_slope(float a, float b) {
+  if (!(a * b > 0)) return 0;
+  return std::abs(a) < std::abs(b) ? a : b;
+}
+
+// What the slope at the edge of `member` adds at column i (or row i), beyond it. `at(k)` is the height k
+// posts inwards from the edge.
+template <class HeightAt>
+float slope_beyond(std::int64_t i, const IndexRange& member, const HeightAt& at) {
+  const std::int64_t distance = beyond(i, member);
+  if (distance == 0 || member.count() <= kSlopeOf) return 0;
+  return smaller_slope(at(0) - at(1), at(1) - at(2)) * static_cast<float>(std::min(distance, kSlopePosts));
 }
 
 }  // namespace
@@ -122,7 +140,8 @@ Result<std::vector<LatticeFill::Edge>> LatticeFill::edges_near(const IndexWindow
       for (const std::int64_t turn : {-around_, std::int64_t{0}, around_}) {
         const IndexWindow member = moved(extent, turn);
         if (!touch(member, grown(window, reach_))) continue;
-        const IndexWindow nearest{clamped(window.x, member.x), clamped(window.y, member.y)};
+        const IndexWindow edge = grown({clamped(window.x, member.x), clamped(window.y, member.y)}, kSlopeOf);
+        const IndexWindow nearest{clamped(edge.x, member.x), clamped(edge.y, member.y)};
         auto posts = read_posts_(nearest.x, nearest.y);
         if (!posts) return posts.error();
         if (auto status = fill_voids_in(*posts); !status) return status.error();
@@ -133,8 +152,23 @@ Result<std::vector<LatticeFill::Edge>> LatticeFill::edges_near(const IndexWindow
   return edges;
 }
 
-// Posts that no member has take the height of the nearest post that one has; those out of reach count for
-// nothing, and get 0.
+// The height of the member's surface at post (i, j) outside it: that of the nearest post, from which the
+// slope goes on for kSlopePosts. NaN where the nearest post has none.
+float LatticeFill::height_beyond(const Edge& edge, std::int64_t i, std::int64_t j) {
+  const std::int64_t column = std::clamp(i, edge.member.x.first, edge.member.x.last);
+  const std::int64_t row = std::clamp(j, edge.member.y.first, edge.member.y.last);
+  const std::int64_t inwards_x = i < column ? 1 : -1, inwards_y = j < row ? 1 : -1;
+  const auto height_at = [&](std::int64_t c, std::int64_t r) {
+    return edge.posts
+        .heights[edge.posts.index(static_cast<int>(c - edge.posts.i0), static_cast<int>(r - edge.posts.j0))];
+  };
+  return height_at(column, row) +
+         slope_beyond(i, edge.member.x, [&](int k) { return height_at(column + inwards_x * k, row); }) +
+         slope_beyond(j, edge.member.y, [&](int k) { return height_at(column, row + inwards_y * k); });
+}
+
+// Posts that no member has take the height of the nearest member's surface there; those out of reach count
+// for nothing, and get 0.
 Status LatticeFill::extend(PostBlock& block) const {
   const auto edges = edges_near(window_of(block));
   if (!edges) return edges.error();
@@ -149,11 +183,7 @@ Status LatticeFill::extend(PostBlock& block) const {
         const std::int64_t j = block.j0 + r;
         const std::int64_t distance = std::max(beyond(i, edge.member.x), beyond(j, edge.member.y));
         if (distance >= nearest) continue;
-        const auto column =
-            static_cast<int>(std::clamp(i, edge.member.x.first, edge.member.x.last) - edge.posts.i0);
-        const auto row =
-            static_cast<int>(std::clamp(j, edge.member.y.first, edge.member.y.last) - edge.posts.j0);
-        const float there = edge.posts.heights[edge.posts.index(column, row)];
+        const float there = height_beyond(edge, i, j);
         if (std::isnan(there)) continue;
         nearest = distance;
         height = there;

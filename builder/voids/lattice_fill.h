@@ -14,8 +14,9 @@
 namespace cairn {
 
 /// Gives every post of a lattice group a height, so that samples can be made of them: voids are filled
-/// smoothly from their rims, posts beyond all members, within reach, take the height of the nearest post of a
-/// member.
+/// smoothly from their rims. Posts beyond all members, within reach, take the height of the nearest post of a
+/// member, from which its slope goes on for eight posts: a plane is a plane there, too, and a cliff at the edge
+/// goes no deeper.
 ///
 /// Rasters that touch are filled as one. What is needed far from a void's rim is gathered in one pass over
 /// such a cluster, the first time that a void is met. Safe to call from several threads.
@@ -52,6 +53,7 @@ class LatticeFill {
     PostBlock posts;
   };
   Result<std::vector<Edge>> edges_near(const IndexWindow& window) const;
+  static float height_beyond(const Edge& edge, std::int64_t i, std::int64_t j);
 
   static constexpr std::int64_t kLeastReach = 64;  // posts: more than any sample's weights span
   std::int64_t reach_ = kLeastReach;

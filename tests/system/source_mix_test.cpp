@@ -77,7 +77,7 @@ bool everywhere(LonLat) {
   return true;
 }
 
-double hills(LonLat p) {
+double waves(LonLat p) {
   return 700 + 300 * std::sin(p.lon * 40) * std::cos(p.lat * 35) + 80 * std::sin(p.lon * 170 + p.lat * 130);
 }
 
@@ -118,14 +118,14 @@ TEST_CASE("rasters of different spacing that touch keep every post of both") {
         // Cells that share a row, as DTED's do where the spacing changes.
         Pair{{10, 50, 300, 300, 200, 150}, {10, 50.4, 150, 300, 100, 121}}}) {
     for (const bool south_first : {true, false}) {
-      write_sheet(a, pair.south, hills);
-      write_sheet(b, pair.north, hills);
+      write_sheet(a, pair.south, waves);
+      write_sheet(b, pair.north, waves);
       const std::vector<fs::path> files = south_first ? std::vector{a, b} : std::vector{b, a};
       const PackReader pack = baked(files, folder.path() / "o.cairn");
       PackSampler sampler(pack, 64);
       INFO(pair.north.north << " " << south_first);
-      CHECK(worst_at_posts(sampler, pair.south, hills, everywhere) <= 0.05);
-      CHECK(worst_at_posts(sampler, pair.north, hills, everywhere) <= 0.05);
+      CHECK(worst_at_posts(sampler, pair.south, waves, everywhere) <= 0.05);
+      CHECK(worst_at_posts(sampler, pair.north, waves, everywhere) <= 0.05);
     }
   }
 }
@@ -170,8 +170,8 @@ TEST_CASE("posts that lose where sources overlap are counted, each post once") {
   const TempDir folder;
   const fs::path fine_path = folder.path() / "fine.tif", coarse_path = folder.path() / "coarse.tif";
   const Sheet coarse{5.9, 45.1, 300, 300, 60, 60, true}, fine{6.000012, 45.05, 900, 900, 60, 60, true};
-  write_sheet(coarse_path, coarse, hills);
-  write_sheet(fine_path, fine, hills);
+  write_sheet(coarse_path, coarse, waves);
+  write_sheet(fine_path, fine, waves);
   const auto sources = sources_of(baked({fine_path, coarse_path}, folder.path() / "o.cairn"));
   CHECK(sources[0]["posts_used"] == 3600);
   CHECK(sources[0]["posts_lost"] == 0);

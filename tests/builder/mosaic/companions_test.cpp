@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/dem_files.h"
+#include "tests/support/test_data.h"
 
 namespace cairn::test {
 namespace {
