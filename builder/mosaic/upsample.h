@@ -1,6 +1,6 @@
 #pragma once
 
-#include "builder/mosaic/group_overlay.h"
+#include "builder/mosaic/overlaid_samples.h"
 
 namespace cairn {
 
