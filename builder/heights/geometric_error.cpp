@@ -13,16 +13,16 @@ namespace {
 
 constexpr double kHole = std::numeric_limits<double>::quiet_NaN();
 
-// Where a post lies among every 2^levels-th sample of an axis. On a sample, both neighbours are that sample,
-// so that a void beyond it is not asked.
+// Where a post lies among every 2^levels-th sample of an axis, `scale` being 2^-levels. On a sample, both
+// neighbours are that sample, so that a void beyond it is not asked.
 struct Between {
   int low = 0;
   int high = 0;
   double fraction = 0;
 };
 
-Between between(double at, int levels, int last) {
-  const double coarse = std::ldexp(at, -levels);
+Between between(double at, double scale, int last) {
+  const double coarse = at * scale;
   const int low = std::min(static_cast<int>(coarse), last);
   const double fraction = coarse - low;
   return {low, fraction == 0 ? low : low + 1, fraction};
@@ -34,6 +34,7 @@ class SurfaceMeter {
       : tile_(tile),
         quantum_m_(quantum_m),
         levels_(levels),
+        scale_(std::ldexp(1.0, -levels)),
         last_((tile.size - 1) >> levels),
         row_(static_cast<std::size_t>(last_) + 1) {
     assert((tile.size - 1) % (1 << levels) == 0);
@@ -42,7 +43,7 @@ class SurfaceMeter {
   // Calls visit(column, error) for each post of a row with a height; the error is NaN in a hole.
   template <class Visit>
   void measure_row(double y, const std::vector<Between>& columns, const float* heights, const Visit& visit) {
-    interpolate_row(between(y, levels_, last_));
+    interpolate_row(between(y, scale_, last_));
     for (std::size_t c = 0; c < columns.size(); ++c) {
       if (std::isnan(heights[c])) continue;
       visit(c, std::abs(at(columns[c]) - static_cast<double>(heights[c])));
@@ -50,14 +51,14 @@ class SurfaceMeter {
   }
 
   double error_at(double x, double y, float height) {
-    const Between column = between(x, levels_, last_);
-    const Between row = between(y, levels_, last_);
+    const Between column = between(x, scale_, last_);
+    const Between row = between(y, scale_, last_);
     const double low = mix(sample(column.low, row.low), sample(column.low, row.high), row.fraction);
     const double high = mix(sample(column.high, row.low), sample(column.high, row.high), row.fraction);
     return std::abs(mix(low, high, column.fraction) - static_cast<double>(height));
   }
 
-  Between column(double x) const { return between(x, levels_, last_); }
+  Between column(double x) const { return between(x, scale_, last_); }
 
  private:
   static double mix(double a, double b, double fraction) { return a + fraction * (b - a); }
@@ -89,6 +90,7 @@ class SurfaceMeter {
   const HeightTile& tile_;
   double quantum_m_;
   int levels_;
+  double scale_;  // exact, a power of two
   int last_;
   std::vector<double> row_;
 };

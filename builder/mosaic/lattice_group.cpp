@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "builder/mosaic/fade_weight.h"
+#include "builder/mosaic/fill_in_posts.h"
 #include "format/simd_clones.h"
 
 namespace cairn {
@@ -26,18 +27,6 @@ IndexRange posts_within(const AxisPositions& positions, IndexRange samples) {
   std::int64_t last = positions.first_post_from(samples.last);
   if (positions.position(last) > static_cast<double>(samples.last)) --last;
   return {first, last};
-}
-
-// Takes a row of a member's posts to where there is no value yet.
-CAIRN_SIMD_CLONES void fill_in(const float* row, std::size_t count, std::uint16_t owner, float* heights,
-                               std::uint16_t* owners) {
-  for (std::size_t c = 0; c < count; ++c) {  // no branches, so that the loop is one of vectors
-    const bool taken = PostBlock::has_value(owners[c]);
-    const bool is_void = row[c] != row[c];
-    const std::uint16_t next = is_void ? PostBlock::kVoid : owner;
-    heights[c] = taken ? heights[c] : row[c];
-    owners[c] = taken ? owners[c] : next;
-  }
 }
 
 CAIRN_SIMD_CLONES bool all_have_values(const std::vector<std::uint16_t>& owners) {
@@ -164,21 +153,20 @@ Status LatticeGroup::read_member(std::size_t member, std::int64_t turn, PostBloc
   const std::int64_t north = std::min(block.j0 + block.rows, place.j0 + info.rows);
   if (west >= east || south >= north) return {};
 
-  const auto source = pool_.acquire(members_[member].source);
-  if (!source) return source.error();
   const std::int64_t first_row = place.north_up ? place.j0 + info.rows - north : south - place.j0;
   const PostWindow window{west - place.i0 - turn, first_row, east - west, north - south};
   const auto width = static_cast<std::size_t>(window.columns);
   const std::size_t count = width * static_cast<std::size_t>(window.rows);
   const auto read = std::make_unique_for_overwrite<float[]>(count);
-  if (auto status = (*source)->read_heights(window, {read.get(), count}); !status) return status;
+  if (auto status = pool_.read_heights(members_[member].source, window, {read.get(), count}); !status)
+    return status;
 
   const auto owner = static_cast<std::uint16_t>(member + 1);
   for (std::int64_t j = south; j < north; ++j) {
     const std::int64_t file_row = place.north_up ? north - 1 - j : j - south;
     const std::size_t to = block.index(static_cast<int>(west - block.i0), static_cast<int>(j - block.j0));
-    fill_in(read.get() + file_row * window.columns, width, owner, block.heights.data() + to,
-            block.owners.data() + to);
+    fill_in_posts(read.get() + file_row * window.columns, width, owner, block.heights.data() + to,
+                  block.owners.data() + to);
   }
   return {};
 }

@@ -11,6 +11,7 @@
 namespace cairn {
 namespace {
 
+constexpr std::size_t kMostBlockBytes = std::size_t{48} << 20;
 constexpr double kTouch = 1e-8;  // degrees: a footprint that ends on a tile's edge touches it
 
 GeoBounds bounds_of(const SampleWindow& w) {
@@ -32,8 +33,9 @@ Result<std::unique_ptr<Mosaic>> Mosaic::open(const MosaicOptions& options, int t
   std::unique_ptr<Mosaic> mosaic(new Mosaic);
   mosaic->tile_size_ = tile_size;
   OpenOptions open_options;
-  open_options.cache_bytes = cache_bytes;
-  auto pool = RasterPool::open(options.inputs, open_options);
+  const std::size_t block_bytes = std::min(cache_bytes / 8, kMostBlockBytes);
+  open_options.cache_bytes = cache_bytes - block_bytes;
+  auto pool = RasterPool::open(options.inputs, open_options, RasterPool::Content::heights);
   if (!pool) return pool.error();
   mosaic->pool_ = std::move(*pool);
   if (auto dems = refuse_companions(*mosaic->pool_); !dems) return dems.error();
@@ -42,8 +44,8 @@ Result<std::unique_ptr<Mosaic>> Mosaic::open(const MosaicOptions& options, int t
     if (!geoid) return geoid.error();
     mosaic->geoid_ = std::move(*geoid);
   }
-  auto groups =
-      group_sources(*mosaic->pool_, mosaic->geoid_ ? &*mosaic->geoid_ : nullptr, options, tile_size);
+  auto groups = group_sources(*mosaic->pool_, mosaic->geoid_ ? &*mosaic->geoid_ : nullptr, options, tile_size,
+                              block_bytes);
   if (!groups) return groups.error();
   mosaic->groups_ = std::move(*groups);
   for (std::size_t s = 0; s < mosaic->pool_->size(); ++s) {

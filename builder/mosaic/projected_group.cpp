@@ -4,14 +4,16 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <utility>
 
+#include "builder/mosaic/fill_in_posts.h"
 #include "builder/raster/raster_placement.h"
 
 namespace cairn {
 namespace {
 
-constexpr std::size_t kCachedBlocks = 24;
 constexpr std::int64_t kNeverWraps = std::int64_t{1} << 40;
 constexpr float kNoHeight = std::numeric_limits<float>::quiet_NaN();
 
@@ -64,7 +66,8 @@ int ProjectedGroup::level_for(const RasterPool& pool, const Grid& grid, int tile
 }
 
 ProjectedGroup::ProjectedGroup(RasterPool& pool, const Geoid* geoid, Grid grid, int native_level,
-                               int tile_size, double tolerance_m)
+                               int tile_size, double tolerance_m, std::shared_ptr<ChunkCache> blocks,
+                               std::uint64_t number)
     : pool_(pool),
       geoid_(geoid),
       grid_(std::move(grid)),
@@ -74,7 +77,9 @@ ProjectedGroup::ProjectedGroup(RasterPool& pool, const Geoid* geoid, Grid grid, 
       tolerance_m_(tolerance_m),
       resampler_(grid_.georeference, members_.hull(), samples_per_degree_),
       fill_(members_.extents(), kNeverWraps,
-            [this](IndexRange columns, IndexRange rows) { return read_posts(columns, rows); }) {
+            [this](IndexRange columns, IndexRange rows) { return read_posts(columns, rows); }),
+      blocks_(std::move(blocks)),
+      number_(number) {
   assert(grid_.members.size() < PostBlock::kVoid - 1u);
   native_level_ = native_level;
   spacing_degrees_ = 1.0 / posts_per_degree(grid_.georeference, members_.hull());
@@ -95,20 +100,16 @@ Status ProjectedGroup::read_member(std::size_t member, PostBlock& block) const {
   const IndexRange x{std::max(block.i0, extent.x.first),
                      std::min(block.i0 + block.columns - 1, extent.x.last)};
   const IndexRange y{std::max(block.j0, extent.y.first), std::min(block.j0 + block.rows - 1, extent.y.last)};
-  const auto source = pool_.acquire(grid_.members[member].source);
-  if (!source) return source.error();
-  std::vector<float> read(static_cast<std::size_t>(x.count() * y.count()));
+  const auto width = static_cast<std::size_t>(x.count());
+  const std::size_t count = width * static_cast<std::size_t>(y.count());
+  const auto read = std::make_unique_for_overwrite<float[]>(count);
   const PostWindow window{x.first - extent.x.first, y.first - extent.y.first, x.count(), y.count()};
-  if (auto status = (*source)->read_heights(window, read); !status) return status;
-  const auto owner = static_cast<std::uint16_t>(member + 1);
-  std::size_t from = 0;
+  if (auto status = pool_.read_heights(grid_.members[member].source, window, {read.get(), count}); !status)
+    return status;
   for (std::int64_t r = y.first; r <= y.last; ++r) {
-    std::size_t to = block.index(static_cast<int>(x.first - block.i0), static_cast<int>(r - block.j0));
-    for (std::int64_t c = x.first; c <= x.last; ++c, ++from, ++to) {
-      if (PostBlock::has_value(block.owners[to])) continue;
-      block.owners[to] = std::isnan(read[from]) ? PostBlock::kVoid : owner;
-      block.heights[to] = read[from];
-    }
+    const std::size_t to = block.index(static_cast<int>(x.first - block.i0), static_cast<int>(r - block.j0));
+    fill_in_posts(read.get() + (r - y.first) * x.count(), width, static_cast<std::uint16_t>(member + 1),
+                  block.heights.data() + to, block.owners.data() + to);
   }
   return {};
 }
@@ -161,10 +162,33 @@ Result<PostBlock> ProjectedGroup::read_posts(IndexRange columns, IndexRange rows
   return block;
 }
 
-// Makes the heights and states of the block, if there are posts around it.
-Status ProjectedGroup::fill_block(Block& block) const {
-  const SamplePositions positions = resampler_.positions_of(grown(block.window, ProjectedResampler::kHalo));
-  if (positions.posts.count() <= 0) return {};
+SampleWindow ProjectedGroup::window_of_block(std::int64_t x, std::int64_t y) const {
+  const auto side = static_cast<int>(block_side_);
+  return {x * block_side_, y * block_side_, side, side, samples_per_degree_};
+}
+
+// The window's part of what was resampled around it. `met` is empty where all samples are sourced.
+ChunkCache::Chunk ProjectedGroup::cut_out(const SampleWindow& window, const SamplePositions& positions,
+                                          const PostBlock& posts, std::span<const float> heights,
+                                          std::span<const std::uint8_t> met) const {
+  const auto columns = static_cast<std::size_t>(window.columns);
+  const std::size_t heights_end = window.count() * sizeof(float);
+  ChunkCache::Chunk chunk = blocks_->room_for(heights_end + (met.empty() ? 0 : window.count()));
+  std::byte* to = chunk.data();
+  std::byte* state = to + heights_end;
+  for (std::int64_t r = 0; r < window.rows; ++r, to += columns * sizeof(float)) {
+    const std::size_t first = positions.samples.offset(window.column, window.row + r);
+    std::memcpy(to, heights.data() + first, columns * sizeof(float));
+    for (std::size_t i = first; !met.empty() && i < first + columns; ++i, ++state)
+      *state = static_cast<std::byte>(met[i] != 0 ? SampleState::sourced : state_at(positions.at[i], posts));
+  }
+  return chunk;
+}
+
+// Nothing where there are no posts around the window.
+Result<ChunkCache::Chunk> ProjectedGroup::make_block(const SampleWindow& window) const {
+  const SamplePositions positions = resampler_.positions_of(grown(window, ProjectedResampler::kHalo));
+  if (positions.posts.count() <= 0) return ChunkCache::Chunk();
   auto posts = read_posts(positions.posts.x, positions.posts.y);
   if (!posts) return posts.error();
   std::vector<std::uint8_t> fitted(posts->owners.size());
@@ -173,50 +197,22 @@ Status ProjectedGroup::fill_block(Block& block) const {
   const bool complete = std::find(fitted.begin(), fitted.end(), 0) == fitted.end();
   const bool any = std::any_of(posts->owners.begin(), posts->owners.end(),
                                [](std::uint16_t owner) { return owner != PostBlock::kOutside; });
-  if (!any) return {};
+  if (!any) return ChunkCache::Chunk();
   if (!complete) {
-    if (auto status = fill_.complete(*posts); !status) return status;
+    if (auto status = fill_.complete(*posts); !status) return status.error();
   }
   std::vector<float> out(positions.at.size());
   std::vector<std::uint8_t> met(complete ? 0 : out.size(), 0);
   resampler_.resample(posts->heights, fitted, shifts_of(*posts), positions, tolerance_m_, out, met);
-  block.heights.reserve(block.window.count());
-  for (std::int64_t r = 0; r < block.window.rows; ++r) {
-    const std::size_t first = positions.samples.offset(block.window.column, block.window.row + r);
-    for (std::size_t i = first; i < first + static_cast<std::size_t>(block.window.columns); ++i) {
-      block.heights.push_back(out[i]);
-      if (!complete)
-        block.states.push_back(met[i] != 0 ? SampleState::sourced : state_at(positions.at[i], *posts));
-    }
-  }
-  return {};
+  return cut_out(window, positions, *posts, out, met);
 }
 
-Result<ProjectedGroup::BlockPointer> ProjectedGroup::make_block(std::int64_t x, std::int64_t y) const {
-  auto block = std::make_shared<Block>();
-  const auto side = static_cast<int>(block_side_);
-  block->window = {x * block_side_, y * block_side_, side, side, samples_per_degree_};
-  if (auto status = fill_block(*block); !status) return status.error();
-  return BlockPointer(std::move(block));
-}
-
-// Two threads that miss one block both make it: equal bits, and neither waits.
-Result<ProjectedGroup::BlockPointer> ProjectedGroup::block_at(std::int64_t x, std::int64_t y) const {
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto found =
-        std::find_if(cache_.begin(), cache_.end(), [&](const Cached& c) { return c.x == x && c.y == y; });
-    if (found != cache_.end()) {
-      cache_.splice(cache_.begin(), cache_, found);
-      return cache_.front().block;
-    }
-  }
-  auto block = make_block(x, y);
-  if (!block) return block;
-  const std::scoped_lock lock(mutex_);
-  cache_.push_front({x, y, *block});
-  if (cache_.size() > kCachedBlocks) cache_.pop_back();
-  return block;
+Result<ProjectedGroup::Block> ProjectedGroup::block_at(std::int64_t x, std::int64_t y) const {
+  const SampleWindow window = window_of_block(x, y);
+  const std::uint64_t place = (static_cast<std::uint64_t>(y) << 32) + static_cast<std::uint64_t>(x);
+  auto bytes = blocks_->get({number_, place}, [&] { return make_block(window); });
+  if (!bytes) return bytes.error();
+  return Block{std::move(*bytes), window.count()};
 }
 
 // Puts the posts in the closed window at their places, each once, also where the window goes around the
@@ -228,6 +224,7 @@ Status ProjectedGroup::add_posts(const SampleWindow& window, MeasuredPosts& post
   if (!read) return read.error();
   const double around = resampler_.around();
   const bool wide = window.columns > around / 2;
+  posts.placed.reserve(read->owners.size());
   const auto add_row = [&](std::int64_t row, std::span<const PlanePoint> places) {
     for (int c = 0; c < read->columns; ++c) {
       const std::size_t at = read->index(c, static_cast<int>(row - read->j0));
@@ -294,6 +291,24 @@ NearestPlace ProjectedGroup::nearest_within(const GeoBounds& bounds, double marg
   return [this, extents = std::move(extents)](LonLat place) { return nearest_to(place, extents); };
 }
 
+void ProjectedGroup::take_block(const SampleWindow& from, const Block& block, const SampleWindow& window,
+                                GroupSamples& samples) const {
+  const std::int64_t west = std::max(window.column, from.column);
+  const std::int64_t east = std::min(window.column + window.columns, from.column + from.columns);
+  const std::int64_t north = std::min(window.row + window.rows, from.row + from.rows);
+  const SampleState* states = block.states();
+  for (std::int64_t r = std::max(window.row, from.row); r < north; ++r) {
+    const std::int64_t first = (r - from.row) * from.columns + (west - from.column);
+    const std::int64_t to = (r - window.row) * window.columns + (west - window.column);
+    std::copy_n(block.heights() + first, east - west, samples.heights.begin() + to);
+    if (states == nullptr) {
+      std::fill_n(samples.states.begin() + to, east - west, SampleState::sourced);
+    } else {
+      std::copy_n(states + first, east - west, samples.states.begin() + to);
+    }
+  }
+}
+
 Result<GroupSamples> ProjectedGroup::sample(const SampleWindow& window) const {
   assert(window.samples_per_degree == samples_per_degree_);
   GroupSamples samples;
@@ -305,17 +320,7 @@ Result<GroupSamples> ProjectedGroup::sample(const SampleWindow& window) const {
     for (std::int64_t bx = floor_divide(window.column, block_side_); bx * block_side_ < east; ++bx) {
       const auto block = block_at(bx, by);
       if (!block) return block.error();
-      if ((*block)->heights.empty()) continue;
-      const SampleWindow& b = (*block)->window;
-      for (std::int64_t r = std::max(window.row, b.row); r < std::min(north, b.row + b.rows); ++r) {
-        for (std::int64_t c = std::max(window.column, b.column); c < std::min(east, b.column + b.columns);
-             ++c) {
-          const auto from = static_cast<std::size_t>((r - b.row) * b.columns + (c - b.column));
-          const auto to = static_cast<std::size_t>((r - window.row) * window.columns + (c - window.column));
-          samples.heights[to] = (*block)->heights[from];
-          samples.states[to] = (*block)->states.empty() ? SampleState::sourced : (*block)->states[from];
-        }
-      }
+      if (!block->is_empty()) take_block(window_of_block(bx, by), *block, window, samples);
     }
   }
   if (auto status = add_posts(window, samples.posts); !status) return status.error();

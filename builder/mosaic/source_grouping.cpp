@@ -70,7 +70,8 @@ int asked_level(int native, int finest, const MosaicOptions& options) {
 }  // namespace
 
 Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool, const Geoid* geoid,
-                                                                const MosaicOptions& options, int tile_size) {
+                                                                const MosaicOptions& options, int tile_size,
+                                                                std::size_t block_bytes) {
   std::vector<LatticeMembers> lattices;
   std::vector<ProjectedGroup::Grid> grids;
   for (std::size_t s = 0; s < pool.size(); ++s) {
@@ -94,10 +95,11 @@ Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool
   }
   const double error_bound_m = options.max_error_m.value_or(kFinestDefaultErrorBound);
   const double tolerance = error_bound_m * kShareOfErrorBound;
+  const auto blocks = std::make_shared<ChunkCache>(block_bytes);
   for (auto& g : grids) {
     const int level = asked_level(ProjectedGroup::level_for(pool, g, tile_size), finest, options);
-    groups.push_back(
-        std::make_unique<ProjectedGroup>(pool, geoid, std::move(g), level, tile_size, tolerance));
+    groups.push_back(std::make_unique<ProjectedGroup>(pool, geoid, std::move(g), level, tile_size, tolerance,
+                                                      blocks, groups.size()));
   }
   sort_by_priority(pool, groups);
   return groups;

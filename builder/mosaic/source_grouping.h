@@ -11,9 +11,11 @@
 namespace cairn {
 
 /// Sorts the sources into groups that are resampled together, highest priority first: finer posts before
-/// coarser ones, then by the order on the command line of the group's first source. REQUIRES: pool and geoid
-/// (may be null) outlive the groups.
+/// coarser ones, then by the order on the command line of the group's first source. `block_bytes`: what all
+/// groups together may keep of what they resampled. REQUIRES: pool and geoid (may be null) outlive the
+/// groups.
 Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool, const Geoid* geoid,
-                                                                const MosaicOptions& options, int tile_size);
+                                                                const MosaicOptions& options, int tile_size,
+                                                                std::size_t block_bytes);
 
 }  // namespace cairn

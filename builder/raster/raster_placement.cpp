@@ -108,25 +108,42 @@ double step_east(const Georeference& g, const EdgePost& a, const EdgePost& b, in
   return step_east(g, a, middle, depth + 1) + step_east(g, middle, b, depth + 1);
 }
 
-constexpr std::size_t kRimSteps = 24;  // of each edge
+/// A raster's rim, around once from corner to corner, longitudes without a jump.
+struct Rim {
+  std::size_t steps = 0;  ///< of each edge
+  std::vector<LonLat> places;
 
-/// The raster's rim, around once from corner to corner, longitudes without a jump.
-std::vector<LonLat> rim_of(const RasterInfo& info) {
+  bool is_corner(std::size_t i) const { return i % steps == 0; }
+};
+
+/// Whether the corners lie so near to one another, and so far from the poles, that edges hardly bend.
+bool is_narrow(const std::array<EdgePost, 5>& corners) {
+  constexpr double kNarrow = 0.25, kFarNorth = 80;  // degrees
+  return std::all_of(corners.begin(), corners.end(), [&](const EdgePost& corner) {
+    const LonLat a = corner.place, b = corners[0].place;
+    return std::abs(a.lat) < kFarNorth && std::abs(a.lat - b.lat) < kNarrow &&
+           std::abs(std::remainder(a.lon - b.lon, 360)) < kNarrow;
+  });
+}
+
+Rim rim_of(const RasterInfo& info) {
   const double c = static_cast<double>(info.columns - 1), r = static_cast<double>(info.rows - 1);
-  const std::array<EdgePost, 5> corners = {{{0, 0, {}}, {c, 0, {}}, {c, r, {}}, {0, r, {}}, {0, 0, {}}}};
-  std::vector<LonLat> rim;
-  EdgePost before{0, 0, info.georeference.place_of(0, 0)};
+  std::array<EdgePost, 5> corners = {{{0, 0, {}}, {c, 0, {}}, {c, r, {}}, {0, r, {}}, {0, 0, {}}}};
+  for (EdgePost& corner : corners) corner.place = info.georeference.place_of(corner.column, corner.row);
+  Rim rim;
+  rim.steps = is_narrow(corners) ? 4 : 24;
+  EdgePost before = corners[0];
   double lon = before.place.lon;
-  rim.push_back(before.place);
+  rim.places.push_back(before.place);
   for (std::size_t edge = 0; edge < 4; ++edge) {
     const EdgePost& from = corners[edge];
     const EdgePost& to = corners[edge + 1];
-    for (std::size_t i = 1; i <= kRimSteps; ++i) {
-      const double t = static_cast<double>(i) / static_cast<double>(kRimSteps);
+    for (std::size_t i = 1; i <= rim.steps; ++i) {
+      const double t = static_cast<double>(i) / static_cast<double>(rim.steps);
       EdgePost here{from.column + t * (to.column - from.column), from.row + t * (to.row - from.row), {}};
-      here.place = info.georeference.place_of(here.column, here.row);
+      here.place = i == rim.steps ? to.place : info.georeference.place_of(here.column, here.row);
       lon += step_east(info.georeference, before, here, 0);
-      rim.push_back({lon, here.place.lat});
+      rim.places.push_back({lon, here.place.lat});
       before = here;
     }
   }
@@ -135,10 +152,11 @@ std::vector<LonLat> rim_of(const RasterInfo& info) {
 
 /// Between two of its places an edge is a smooth curve that leaves its chord by at most an eighth of the
 /// second difference, give or take: a fourth is added.
-GeoBounds bounds_around(const std::vector<LonLat>& rim) {
+GeoBounds bounds_around(const Rim& around) {
+  const std::vector<LonLat>& rim = around.places;
   GeoBounds bounds{rim[0].lon, rim[0].lat, rim[0].lon, rim[0].lat};
   for (std::size_t i = 0; i < rim.size(); ++i) {
-    const bool inner = i % kRimSteps != 0;  // no corner
+    const bool inner = !around.is_corner(i);
     const double lon = inner ? std::abs(rim[i + 1].lon - 2 * rim[i].lon + rim[i - 1].lon) / 4 : 0;
     const double lat = inner ? std::abs(rim[i + 1].lat - 2 * rim[i].lat + rim[i - 1].lat) / 4 : 0;
     bounds.west = std::min(bounds.west, rim[i].lon - lon);
@@ -151,13 +169,14 @@ GeoBounds bounds_around(const std::vector<LonLat>& rim) {
 
 /// The bounds of posts that are not on a lattice of longitude and latitude.
 Result<GeoBounds> projected_bounds(const RasterInfo& info) {
-  const std::vector<LonLat> rim = rim_of(info);
+  const Rim around = rim_of(info);
+  const std::vector<LonLat>& rim = around.places;
   const bool finite = std::all_of(rim.begin(), rim.end(),
                                   [](LonLat p) { return std::isfinite(p.lon) && std::isfinite(p.lat); });
   if (!finite)
     return misplaced(info,
                      "expected a projection that covers the raster, found a part of its rim outside it");
-  GeoBounds bounds = bounds_around(rim);
+  GeoBounds bounds = bounds_around(around);
   const bool north = holds_pole(info, 90), south = holds_pole(info, -90);
   if (north || south) {
     bounds.west = -180;
@@ -239,7 +258,7 @@ void add_tight_bounds(const RasterInfo& info, int halvings, std::vector<GeoBound
   const auto whole = projected_bounds(info);
   if (!whole) return;
   const bool is_tight =
-      whole->width() < 360 && area_inside(rim_of(info)) > kMuch * whole->width() * whole->height();
+      whole->width() < 360 && area_inside(rim_of(info).places) > kMuch * whole->width() * whole->height();
   if (halvings == 0 || is_tight || std::min(info.columns, info.rows) < 2 * kLeastPosts) {
     found.push_back(*whole);
     return;
@@ -261,7 +280,7 @@ void move_near(const GeoBounds& to, GeoBounds& moved) {
 }
 
 std::vector<GeoBounds> tight_bounds(const RasterInfo& info, int halvings) {
-  if (is_regular(info.georeference)) return {info.bounds};
+  if (is_regular(info.georeference) || halvings == 0) return {info.bounds};
   std::vector<GeoBounds> bounds;
   add_tight_bounds(info, halvings, bounds);
   for (GeoBounds& part : bounds) move_near(info.bounds, part);

@@ -1,26 +1,110 @@
 #include "builder/raster/raster_pool.h"
 
 #include <algorithm>
+#include <cassert>
+#include <cstring>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 namespace cairn {
 namespace {
 
 constexpr std::size_t kMostOpen = 16;
+constexpr std::size_t kMostWholeBytes = std::size_t{8} << 20;
+constexpr std::size_t kLeastWhole = 16;  // sources read whole that there is room for, or none is
+
+std::size_t bytes_as_floats(const RasterInfo& info) {
+  return static_cast<std::size_t>(info.columns) * static_cast<std::size_t>(info.rows) * sizeof(float);
+}
 
 }  // namespace
 
 Result<std::unique_ptr<RasterPool>> RasterPool::open(std::span<const std::filesystem::path> paths,
-                                                     const OpenOptions& options) {
+                                                     const OpenOptions& options, Content content) {
   std::unique_ptr<RasterPool> pool(new RasterPool);
-  pool->most_open_ = std::clamp<std::size_t>(paths.size(), 1, kMostOpen);
   pool->options_ = options;
-  pool->options_.cache_bytes = options.cache_bytes / pool->most_open_;
-  for (const auto& path : paths) {
-    auto raster = open_raster(path, pool->options_);
-    if (!raster) return raster.error();
-    pool->infos_.push_back((*raster)->info());
-  }
+  if (auto status = pool->ask_all(paths); !status) return status.error();
+  pool->divide_cache(options.cache_bytes, content);
   return pool;
+}
+
+// Nothing is decoded, so the sources need no cache yet.
+Status RasterPool::ask_all(std::span<const std::filesystem::path> paths) {
+  infos_.resize(paths.size());
+  std::vector<std::optional<Error>> errors(paths.size());
+  OpenOptions asking = options_;
+  asking.cache_bytes = 0;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, paths.size()), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s < range.end(); ++s) {
+      const auto raster = open_raster(paths[s], asking);
+      if (raster) {
+        infos_[s] = (*raster)->info();
+      } else {
+        errors[s] = raster.error();
+      }
+    }
+  });
+  const auto first = std::find_if(errors.begin(), errors.end(), [](const auto& e) { return e.has_value(); });
+  return first == errors.end() ? Status() : Status(**first);
+}
+
+// By what there is to keep: the posts of sources that are read whole, and the caches of the others.
+void RasterPool::divide_cache(std::size_t cache_bytes, Content content) {
+  if (content == Content::heights) most_whole_bytes_ = std::min(kMostWholeBytes, cache_bytes / kLeastWhole);
+  double small = 0, large = 0;
+  std::size_t large_count = 0;
+  for (const RasterInfo& info : infos_) {
+    (is_small(info) ? small : large) += static_cast<double>(bytes_as_floats(info));
+    if (!is_small(info)) ++large_count;
+  }
+  const double share = large == 0 ? 1 : small == 0 ? 0 : std::clamp(small / (small + large), 0.25, 0.75);
+  posts_bytes_ = static_cast<std::size_t>(share * static_cast<double>(cache_bytes));
+  most_open_ = std::clamp<std::size_t>(large_count, 1, kMostOpen);
+  options_.cache_bytes = (cache_bytes - posts_bytes_) / most_open_;
+}
+
+bool RasterPool::is_small(const RasterInfo& info) const {
+  return bytes_as_floats(info) <= most_whole_bytes_;
+}
+
+std::shared_ptr<ChunkCache> RasterPool::posts() {
+  const std::scoped_lock lock(mutex_);
+  if (!posts_) posts_ = std::make_shared<ChunkCache>(posts_bytes_);
+  return posts_;
+}
+
+// The source is closed again: it will not be asked for more. Its cache may hold what it decodes, as whole
+// strips.
+Result<ChunkCache::Chunk> RasterPool::read_whole(std::size_t source) {
+  const RasterInfo& info = infos_[source];
+  OpenOptions options = options_;
+  options.cache_bytes = 4 * most_whole_bytes_;
+  const auto raster = open_raster(info.path, options);
+  if (!raster) return raster.error();
+  ChunkCache::Chunk posts(bytes_as_floats(info));
+  const std::span<float> heights(reinterpret_cast<float*>(posts.data()), posts.size() / sizeof(float));
+  const Status read = (*raster)->read_heights({0, 0, info.columns, info.rows}, heights);
+  if (!read) return read.error();
+  return posts;
+}
+
+Status RasterPool::read_heights(std::size_t source, const PostWindow& window, std::span<float> out) {
+  const RasterInfo& info = infos_[source];
+  if (!is_small(info)) {
+    const auto raster = acquire(source);
+    return raster ? (*raster)->read_heights(window, out) : Status(raster.error());
+  }
+  assert(out.size() == static_cast<std::size_t>(window.columns * window.rows));
+  const std::shared_ptr<ChunkCache> cache = posts();
+  const auto whole = cache->get(source, [&] { return read_whole(source); });
+  if (!whole) return whole.error();
+  const std::size_t row_bytes = static_cast<std::size_t>(window.columns) * sizeof(float);
+  for (std::int64_t r = 0; r < window.rows; ++r) {
+    const auto from = static_cast<std::size_t>((window.row + r) * info.columns + window.column);
+    std::memcpy(out.data() + r * window.columns, (*whole)->data() + from * sizeof(float), row_bytes);
+  }
+  return {};
 }
 
 Result<std::shared_ptr<const RasterSource>> RasterPool::acquire(std::size_t source) {
@@ -41,6 +125,7 @@ Result<std::shared_ptr<const RasterSource>> RasterPool::acquire(std::size_t sour
 void RasterPool::close() {
   const std::scoped_lock lock(mutex_);
   open_.clear();
+  posts_.reset();
 }
 
 }  // namespace cairn

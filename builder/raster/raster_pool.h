@@ -5,9 +5,11 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "builder/raster/io/chunk_cache.h"
 #include "builder/raster/raster_source.h"
 #include "cairn/status.h"
 
@@ -18,18 +20,26 @@ namespace cairn {
 /// nor of caches. Safe to call from several threads.
 class RasterPool {
  public:
-  /// Opens every path once, to ask what it is. `cache_bytes` is shared by the sources that are open at a
-  /// time.
+  enum class Content { heights, colours };
+
+  /// Opens every path once, on all threads of the caller's arena, to ask what it is. `options.cache_bytes`
+  /// is shared by all that is kept of the sources. The error is that of the first path that has one.
   static Result<std::unique_ptr<RasterPool>> open(std::span<const std::filesystem::path> paths,
-                                                  const OpenOptions& options);
+                                                  const OpenOptions& options, Content content);
 
   std::size_t size() const { return infos_.size(); }
   const RasterInfo& info(std::size_t source) const { return infos_[source]; }
 
+  /// Heights as RasterSource::read_heights() gives them. A small source is read whole, so that it is opened
+  /// and decoded once for all windows that share it, and its posts are kept while there is room for them.
+  /// REQUIRES: the content is heights.
+  Status read_heights(std::size_t source, const PostWindow& window, std::span<float> out);
+
   /// The source, opened if it was not. It stays usable for as long as the caller holds it.
   Result<std::shared_ptr<const RasterSource>> acquire(std::size_t source);
 
-  /// Closes all files and drops their caches, but for those in use; acquire() opens them again.
+  /// Closes all files and drops what is kept of them, but for what is in use; it is read again when it is
+  /// asked for.
   void close();
 
  private:
@@ -40,11 +50,20 @@ class RasterPool {
     std::shared_ptr<const RasterSource> raster;
   };
 
+  Status ask_all(std::span<const std::filesystem::path> paths);
+  void divide_cache(std::size_t cache_bytes, Content content);
+  bool is_small(const RasterInfo& info) const;
+  Result<ChunkCache::Chunk> read_whole(std::size_t source);
+  std::shared_ptr<ChunkCache> posts();
+
   std::vector<RasterInfo> infos_;
   OpenOptions options_;
   std::size_t most_open_ = 1;
+  std::size_t most_whole_bytes_ = 0;  // as floats, of a source that is read whole
+  std::size_t posts_bytes_ = 0;       // of all such that are kept
   std::mutex mutex_;
-  std::list<OpenSource> open_;  // guarded by mutex_; most recently used first
+  std::list<OpenSource> open_;         // guarded by mutex_; most recently used first
+  std::shared_ptr<ChunkCache> posts_;  // the pointer is guarded by mutex_; by source
 };
 
 }  // namespace cairn

@@ -3,18 +3,40 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstddef>
+
+#include "format/simd_clones.h"
 
 namespace cairn {
 namespace {
 
-double squares(std::span<const float> numbers) {
+// Eight sums side by side, so that the loop is one of vectors and its bits are those of any vector's width.
+CAIRN_SIMD_CLONES double squares(const float* numbers, std::size_t count) {
+  constexpr std::size_t lanes = 8;
+  double sums[lanes] = {};
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    for (std::size_t k = 0; k < lanes; ++k) {
+      const auto v = static_cast<double>(numbers[i + k]);
+      sums[k] += v * v;
+    }
+  }
   double sum = 0;
-  for (const float v : numbers) sum += static_cast<double>(v) * static_cast<double>(v);
+  for (; i < count; ++i) sum += static_cast<double>(numbers[i]) * static_cast<double>(numbers[i]);
+  for (const double s : sums) sum += s;
   return sum;
 }
 
-void add_multiple(std::span<float> to, float factor, std::span<const float> of) {
-  for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * of[i];
+CAIRN_SIMD_CLONES void add_multiple(float* to, float factor, const float* of, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) to[i] += factor * of[i];
+}
+
+// The next direction, of which `gradient` is the new part and cleared.
+CAIRN_SIMD_CLONES void turn(float* direction, float keep, float* gradient, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    direction[i] = keep * direction[i] + gradient[i];
+    gradient[i] = 0;
+  }
 }
 
 }  // namespace
@@ -22,8 +44,9 @@ void add_multiple(std::span<float> to, float factor, std::span<const float> of) 
 void PostEquations::add(std::int64_t corner, double s, double t, float height) {
   const std::array<double, 4> w = {(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t};
   const double length = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2] + w[3] * w[3]);
+  const double unit = 1 / length;
   Row row{static_cast<std::int32_t>(corner), height, static_cast<float>(length), {}};
-  for (std::size_t k = 0; k < 4; ++k) row.weights[k] = static_cast<float>(w[k] / length);
+  for (std::size_t k = 0; k < 4; ++k) row.weights[k] = static_cast<float>(w[k] * unit);
   rows_.push_back(row);
 }
 
@@ -60,32 +83,40 @@ double PostEquations::residuals(std::span<const float> samples, std::span<float>
   return worst;
 }
 
+// Takes a step's change of the surface off the residuals, and adds Aᵀ times what is left of them to
+// `gradient`: both in one pass, as the rows take more memory than a core has near it. Returns the worst
+// residual, unscaled.
+double PostEquations::advance(std::span<float> r, float step, const float* direction, float* gradient) const {
+  float worst = 0;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Row& row = rows_[i];
+    r[i] -= step * apply(row, direction);
+    worst = std::max(worst, std::abs(r[i]) * row.length);
+    add_transposed(row, r[i], gradient);
+  }
+  return static_cast<double>(worst);
+}
+
 int PostEquations::correct(std::span<float> r, double tolerance_m, int most_rounds,
                            std::span<float> samples) const {
   // Below it a direction is rounding: what remains of the residuals, no change of samples can take away.
   constexpr double least_share = 1e-9;
-  std::vector<float> change(samples.size());
-  std::vector<float> direction(samples.size());
+  const std::size_t count = samples.size();
+  std::vector<float> change(count), direction(count), gradient(count);
   for (std::size_t i = 0; i < rows_.size(); ++i) add_transposed(rows_[i], r[i], direction.data());
-  double before = squares(r);
+  double before = squares(r.data(), r.size());
   int rounds = 0;
   for (bool within = false; !within && rounds < most_rounds; ++rounds) {
-    const double length = squares(direction);
+    const double length = squares(direction.data(), count);
     if (length < least_share * before) break;
     const auto step = static_cast<float>(before / length);
-    add_multiple(change, step, direction);
-    within = true;
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      r[i] -= step * apply(rows_[i], direction.data());
-      within = within && static_cast<double>(std::abs(r[i]) * rows_[i].length) <= tolerance_m;
-    }
-    const double after = squares(r);
-    const auto keep = static_cast<float>(after / before);
-    for (float& d : direction) d *= keep;
-    for (std::size_t i = 0; i < rows_.size(); ++i) add_transposed(rows_[i], r[i], direction.data());
+    add_multiple(change.data(), step, direction.data(), count);
+    within = advance(r, step, direction.data(), gradient.data()) <= tolerance_m;
+    const double after = squares(r.data(), r.size());
+    turn(direction.data(), static_cast<float>(after / before), gradient.data(), count);
     before = after;
   }
-  add_multiple(samples, 1, change);
+  add_multiple(samples.data(), 1, change.data(), count);
   return rounds;
 }
 

@@ -18,6 +18,7 @@ class PostEquations {
   /// north and northeast of it lie in the window.
   void add(std::int64_t corner, double s, double t, float height);
 
+  void reserve(std::size_t posts) { rows_.reserve(posts); }
   std::size_t size() const { return rows_.size(); }
 
   struct Fit {
@@ -42,6 +43,7 @@ class PostEquations {
   float apply(const Row& row, const float* samples) const;
   void add_transposed(const Row& row, float factor, float* samples) const;
   double residuals(std::span<const float> samples, std::span<float> out) const;
+  double advance(std::span<float> residuals, float step, const float* direction, float* gradient) const;
   int correct(std::span<float> residuals, double tolerance_m, int most_rounds,
               std::span<float> samples) const;
 

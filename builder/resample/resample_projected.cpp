@@ -4,9 +4,9 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <limits>
-
-#include "builder/resample/cubic_kernel.h"
 
 namespace cairn {
 namespace {
@@ -17,16 +17,34 @@ constexpr double kPositionTolerance = 1e-3;  // of a post; the fit corrects what
 constexpr double kPlaceTolerance = 1e-5;     // of a sample
 constexpr std::int64_t kLeastStep = 8;  // of the meshes: cells that are too wide are found out by their check
 
-float cubic_at(const float* corner, std::int64_t stride, double s, double t) {
-  const auto ws = catmull_rom(s);
-  const auto wt = catmull_rom(t);
-  double sum = 0;
-  for (std::size_t r = 0; r < 4; ++r, corner += stride) {
-    double row = 0;
-    for (std::size_t c = 0; c < 4; ++c) row += ws[c] * static_cast<double>(corner[c]);
-    sum += wt[r] * row;
-  }
-  return static_cast<float>(sum);
+// Vectors that every x86-64 CPU has.
+using Float4 = float __attribute__((vector_size(16)));
+using Double2 = double __attribute__((vector_size(16)));
+
+template <class Vector, class Number>
+Vector load(const Number* from) {
+  Vector v;
+  std::memcpy(&v, from, sizeof v);
+  return v;
+}
+
+// Catmull-Rom (Keys 1981, eq. 4, a = -1/2) by Horner's rule.
+Float4 cubic_weights(float f) {
+  constexpr Float4 cubes{-0.5F, 1.5F, -1.5F, 0.5F}, squares{1, -2.5F, 2, -0.5F}, firsts{-0.5F, 0, 0.5F, 0},
+      constants{0, 1, 0, 0};
+  return ((cubes * f + squares) * f + firsts) * f + constants;
+}
+
+// Heights enter as differences from one of them, which floats hold better than their own height.
+float cubic_at(const float* corner, std::int64_t stride, float s, float t) {
+  const float base = corner[stride + 1];
+  const Float4 down = cubic_weights(t);
+  Float4 sum = (load<Float4>(corner) - base) * down[0];
+  sum += (load<Float4>(corner + stride) - base) * down[1];
+  sum += (load<Float4>(corner + 2 * stride) - base) * down[2];
+  sum += (load<Float4>(corner + 3 * stride) - base) * down[3];
+  sum *= cubic_weights(s);
+  return base + ((sum[0] + sum[1]) + (sum[2] + sum[3]));
 }
 
 double longer_side(LonLat a, LonLat b) {
@@ -40,23 +58,43 @@ double middle_of(IndexRange range) {
 /// The posts around positions, `margin` more on each side.
 class PostsAround {
  public:
-  void add(const PlanePoint& p) {
-    west_ = std::min(west_, p.x);
-    east_ = std::max(east_, p.x);
-    north_ = std::min(north_, p.y);
-    south_ = std::max(south_, p.y);
+  void add(const PlanePoint& p) { add(load<Double2>(&p.x)); }
+  void add(const PostsAround& other) {
+    least_ = other.least_ < least_ ? other.least_ : least_;
+    most_ = other.most_ > most_ ? other.most_ : most_;
+    finite_ += other.finite_;
+  }
+  void add(std::span<const PlanePoint> row) {
+    PostsAround around;  // a copy that stays in registers
+    for (const PlanePoint& p : row) around.add(load<Double2>(&p.x));
+    add(around);
+  }
+  /// Whether every position is a number, and none lies farther than `reach` out of the extent.
+  bool are_within(const IndexWindow& extent, double reach) const {
+    return finite_[0] == 0 && finite_[1] == 0 && least_[0] >= static_cast<double>(extent.x.first) - reach &&
+           most_[0] <= static_cast<double>(extent.x.last) + reach &&
+           least_[1] >= static_cast<double>(extent.y.first) - reach &&
+           most_[1] <= static_cast<double>(extent.y.last) + reach;
   }
   IndexWindow window(std::int64_t margin) const {
-    if (!(west_ <= east_)) return {};
-    return {{static_cast<std::int64_t>(std::floor(west_)) - margin,
-             static_cast<std::int64_t>(std::ceil(east_)) + margin},
-            {static_cast<std::int64_t>(std::floor(north_)) - margin,
-             static_cast<std::int64_t>(std::ceil(south_)) + margin}};
+    if (!(least_[0] <= most_[0])) return {};
+    return {{static_cast<std::int64_t>(std::floor(least_[0])) - margin,
+             static_cast<std::int64_t>(std::ceil(most_[0])) + margin},
+            {static_cast<std::int64_t>(std::floor(least_[1])) - margin,
+             static_cast<std::int64_t>(std::ceil(most_[1])) + margin}};
   }
 
  private:
-  double west_ = HUGE_VAL, east_ = -HUGE_VAL, north_ = HUGE_VAL, south_ = -HUGE_VAL;
+  void add(const Double2& p) {
+    least_ = p < least_ ? p : least_;
+    most_ = p > most_ ? p : most_;
+    finite_ += p - p;
+  }
+
+  Double2 least_{HUGE_VAL, HUGE_VAL}, most_{-HUGE_VAL, -HUGE_VAL};
+  Double2 finite_{0, 0};  // or NaN, once a position is none
 };
+static_assert(sizeof(PlanePoint) == sizeof(Double2));
 
 }  // namespace
 
@@ -99,6 +137,13 @@ SamplePositions ProjectedResampler::positions_of(IndexWindow samples) const {
   for (std::int64_t y = samples.y.first; y <= samples.y.last; ++y) {
     const std::span<PlanePoint> row(&positions.at[samples.offset(samples.x.first, y)], columns);
     mesh.row(y, row);
+    PostsAround of_row;
+    of_row.add(row);
+    if (of_row.are_within(extent_, kReach)) {
+      posts.add(of_row);
+      continue;
+    }
+    positions.all_in_reach = false;
     for (PlanePoint& p : row) {
       if (is_in_reach(p)) {
         posts.add(p);
@@ -111,13 +156,13 @@ SamplePositions ProjectedResampler::positions_of(IndexWindow samples) const {
   return positions;
 }
 
-// Every 16th sample stands for those around it: between them a window's bent rim leaves their polygon by less
-// than a post, even where samples are whole degrees.
+// Every 16th sample, or 64th where they are dense, stands for those around it: between them a window's bent
+// rim leaves their polygon by less than a post, even where samples are whole degrees.
 IndexWindow ProjectedResampler::posts_near(IndexWindow samples) const {
-  constexpr std::int64_t kStep = 16;
+  const std::int64_t step = std::max<std::int64_t>(16, projection_mesh_step(samples_per_degree_));
   PostsAround posts;
-  for (std::int64_t y = samples.y.first;; y = std::min(y + kStep, samples.y.last)) {
-    for (std::int64_t x = samples.x.first;; x = std::min(x + kStep, samples.x.last)) {
+  for (std::int64_t y = samples.y.first;; y = std::min(y + step, samples.y.last)) {
+    for (std::int64_t x = samples.x.first;; x = std::min(x + step, samples.x.last)) {
       PlanePoint p = position_of(x, y);
       const auto within = [](double at, IndexRange range) {
         return std::clamp(at, static_cast<double>(range.first) - kReach,
@@ -167,17 +212,18 @@ void ProjectedResampler::visit_places(IndexWindow posts, IndexWindow samples,
 void ProjectedResampler::interpolate(std::span<const float> heights, const SamplePositions& positions,
                                      std::span<float> out) const {
   const IndexWindow& posts = positions.posts;
+  const std::int64_t stride = posts.x.count();
+  const auto west = static_cast<double>(posts.x.first), first = static_cast<double>(posts.y.first);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const PlanePoint& place = positions.at[i];
     if (std::isnan(place.x)) {
       out[i] = std::numeric_limits<float>::quiet_NaN();
       continue;
     }
-    const double column = std::floor(place.x);
-    const double line = std::floor(place.y);
-    const auto corner =
-        posts.offset(static_cast<std::int64_t>(column) - 1, static_cast<std::int64_t>(line) - 1);
-    out[i] = cubic_at(&heights[corner], posts.x.count(), place.x - column, place.y - line);
+    const double x = place.x - west, y = place.y - first;  // at least 2: to cut them off is to round down
+    const auto column = static_cast<std::int32_t>(x), row = static_cast<std::int32_t>(y);
+    const float* corner = heights.data() + (row - 1) * stride + (column - 1);
+    out[i] = cubic_at(corner, stride, static_cast<float>(x - column), static_cast<float>(y - row));
   }
 }
 
@@ -188,19 +234,23 @@ PostEquations ProjectedResampler::equations(std::span<const float> heights,
                                             std::span<std::uint8_t> met) const {
   const IndexWindow& samples = positions.samples;
   const IndexWindow& posts = positions.posts;
-  const IndexWindow corners{{samples.x.first, samples.x.last - 1}, {samples.y.first, samples.y.last - 1}};
   const auto stride = static_cast<std::size_t>(samples.x.count());
+  const auto west = static_cast<double>(samples.x.first), south = static_cast<double>(samples.y.first);
+  const auto width = static_cast<double>(samples.x.count() - 1);
+  const auto height_of_window = static_cast<double>(samples.y.count() - 1);
   PostEquations equations(samples.x.count());
-  const auto add = [&](double x, double y, float height) {
-    const double x0 = std::floor(x), y0 = std::floor(y);
-    const auto i = static_cast<std::int64_t>(x0);
-    const auto j = static_cast<std::int64_t>(y0);
-    if (!corners.x.holds(i) || !corners.y.holds(j)) return;
-    const std::size_t corner = samples.offset(i, j);
+  equations.reserve(static_cast<std::size_t>(posts.count()));
+  const auto add = [&](double place_x, double place_y, float height) {
+    const double x = place_x - west, y = place_y - south;
+    if (!(x >= 0 && y >= 0 && x < width && y < height_of_window)) return;
+    const auto i = static_cast<std::int32_t>(x), j = static_cast<std::int32_t>(y);
+    const std::size_t corner = static_cast<std::size_t>(j) * stride + static_cast<std::size_t>(i);
     const std::array<std::size_t, 4> square = {corner, corner + 1, corner + stride, corner + stride + 1};
-    for (const std::size_t at : square)
-      if (std::isnan(positions.at[at].x)) return;
-    equations.add(static_cast<std::int64_t>(corner), x - x0, y - y0, height);
+    if (!positions.all_in_reach) {
+      for (const std::size_t at : square)
+        if (std::isnan(positions.at[at].x)) return;
+    }
+    equations.add(static_cast<std::int64_t>(corner), x - i, y - j, height);
     if (met.empty()) return;
     for (const std::size_t at : square) met[at] = 1;
   };

@@ -16,6 +16,7 @@ struct SamplePositions {
   IndexWindow samples;
   std::vector<PlanePoint> at;  ///< by sample: column and row of posts; NaN out of the posts' reach
   IndexWindow posts;           ///< that the samples are interpolated from; empty where none is in reach
+  bool all_in_reach = true;
 };
 
 /// Resamples posts on a grid in any CRS to samples at k/samples_per_degree degrees east of 180°W and north of

@@ -146,9 +146,9 @@ Result<Georeference> find_place(const GeoTiffTags& tags, const TiffLayout& layou
 
 Result<std::unique_ptr<TiffImage>> open_mask_directory(const fs::path& path, std::uint16_t directory,
                                                        const TiffLayout& layout, const OpenOptions& options) {
-  const auto handle = TiffHandle::open(path, directory);
+  auto handle = TiffHandle::open(path, directory);
   if (!handle) return handle.error();
-  auto mask = TiffImage::open(path, **handle, directory, options.cache_bytes / 8);
+  auto mask = TiffImage::open(path, std::move(*handle), directory, options.cache_bytes / 8);
   if (!mask) return mask.error();
   if ((*mask)->layout().columns != layout.columns || (*mask)->layout().rows != layout.rows)
     return bad_data(fmt::format("{}: mask: expected the image's size, {}×{}, found {}×{}", path.string(),
@@ -160,11 +160,13 @@ Result<std::unique_ptr<TiffImage>> open_mask_directory(const fs::path& path, std
 /// The mask in the file itself, else that in FILE.msk, as GDAL writes it beside the file; null where there is
 /// none.
 Result<std::unique_ptr<TiffImage>> open_mask(const fs::path& path, const TiffLayout& layout,
-                                             const OpenOptions& options) {
-  const auto handle = TiffHandle::open(path, 0);
-  if (!handle) return handle.error();
-  if (const auto directory = mask_directory((*handle)->get()))
-    return open_mask_directory(path, *directory, layout, options);
+                                             bool has_more_directories, const OpenOptions& options) {
+  if (has_more_directories) {
+    const auto handle = TiffHandle::open(path, 0);
+    if (!handle) return handle.error();
+    if (const auto directory = mask_directory((*handle)->get()))
+      return open_mask_directory(path, *directory, layout, options);
+  }
   const fs::path beside = fs::path(path).concat(".msk");
   std::error_code ignored;
   if (!fs::is_regular_file(beside, ignored)) return std::unique_ptr<TiffImage>();
@@ -172,12 +174,13 @@ Result<std::unique_ptr<TiffImage>> open_mask(const fs::path& path, const TiffLay
 }
 
 Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptions& options) {
-  const auto handle = TiffHandle::open(path, 0);
+  auto handle = TiffHandle::open(path, 0);
   if (!handle) return handle.error();
-  auto image = TiffImage::open(path, **handle, 0, options.cache_bytes);
+  const GeoTiffTags tags = read_geotiff_tags(**handle);
+  const bool has_more_directories = TIFFLastDirectory((*handle)->get()) == 0;
+  auto image = TiffImage::open(path, std::move(*handle), 0, options.cache_bytes);
   if (!image) return image.error();
   const TiffLayout& layout = (*image)->layout();
-  const GeoTiffTags tags = read_geotiff_tags(**handle);
   const PamSidecar pam = read_pam_beside(path, 1);
   if (pam.places)  // GDAL reads it
     return bad_data(path.string() + ".aux.xml: expected no georeference beside a GeoTIFF, found one");
@@ -186,7 +189,7 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   HeightTags height = height_tags_of(tags, 1);
   apply_pam(pam, height);
   auto encoding = height_encoding_of(path, layout.type, height);
-  auto mask = open_mask(path, layout, options);
+  auto mask = open_mask(path, layout, has_more_directories, options);
   if (!mask) return mask.error();
   RasterInfo info;
   info.path = path;

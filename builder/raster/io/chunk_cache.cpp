@@ -5,7 +5,7 @@
 
 namespace cairn {
 
-Result<ChunkCache::Bytes> ChunkCache::get(std::uint64_t key, const Load& load) {
+Result<ChunkCache::Bytes> ChunkCache::get(Key key, const Load& load) {
   if (Bytes found = find_or_claim(key)) return found;
   Result<Chunk> loaded = load();
   const Bytes bytes = loaded ? shared(std::move(*loaded)) : nullptr;
@@ -14,7 +14,7 @@ Result<ChunkCache::Bytes> ChunkCache::get(std::uint64_t key, const Load& load) {
   return bytes;
 }
 
-ChunkCache::Bytes ChunkCache::find_or_claim(std::uint64_t key) {
+ChunkCache::Bytes ChunkCache::find_or_claim(Key key) {
   std::unique_lock lock(mutex_);
   for (;;) {
     const auto [entry, absent] = entries_.try_emplace(key);
@@ -27,7 +27,7 @@ ChunkCache::Bytes ChunkCache::find_or_claim(std::uint64_t key) {
   }
 }
 
-void ChunkCache::keep(std::uint64_t key, const Bytes& bytes) {
+void ChunkCache::keep(Key key, const Bytes& bytes) {
   const std::lock_guard lock(mutex_);
   const auto entry = entries_.find(key);
   if (!bytes || bytes->size() > byte_limit_) {
@@ -35,7 +35,7 @@ void ChunkCache::keep(std::uint64_t key, const Bytes& bytes) {
   } else {
     use_.push_front(key);
     entry->second = {bytes, use_.begin()};
-    bytes_ += bytes->size();
+    bytes_ += bytes_of(entry->second);
     evict_for(bytes->size());
   }
   decoded_.notify_all();
@@ -46,7 +46,7 @@ void ChunkCache::evict_for(std::size_t newest) {
   const std::size_t limit = byte_limit_ - (may_spare(newest) ? kSpares * newest : 0);
   while (bytes_ > limit) {
     const auto oldest = entries_.find(use_.back());
-    bytes_ -= oldest->second.bytes->size();
+    bytes_ -= bytes_of(oldest->second);
     entries_.erase(oldest);
     use_.pop_back();
   }

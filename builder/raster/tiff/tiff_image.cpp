@@ -51,24 +51,25 @@ TiffImage::TiffImage(std::filesystem::path path, InputFile file, std::uint16_t d
       scratch_(cache_bytes) {}
 
 Result<std::unique_ptr<TiffImage>> TiffImage::open(const std::filesystem::path& path,
-                                                   const TiffHandle& handle, std::uint16_t directory,
-                                                   std::size_t cache_bytes) {
+                                                   std::unique_ptr<TiffHandle> handle,
+                                                   std::uint16_t directory, std::size_t cache_bytes) {
   auto file = InputFile::open(path);
   if (!file) return file.error();
-  auto layout = read_tiff_layout(path, handle);
+  auto layout = read_tiff_layout(path, *handle);
   if (!layout) return layout.error();
   std::unique_ptr<TiffImage> image(new TiffImage(path, std::move(*file), directory, cache_bytes));
   image->layout_ = std::move(*layout);
   std::uint16_t fill_order = FILLORDER_MSB2LSB;
-  TIFFGetFieldDefaulted(handle.get(), TIFFTAG_FILLORDER, &fill_order);
+  TIFFGetFieldDefaulted(handle->get(), TIFFTAG_FILLORDER, &fill_order);
   const TiffLayout& l = image->layout_;
   image->stored_ = l.compression == COMPRESSION_NONE && l.bits >= 8 && fill_order == FILLORDER_MSB2LSB &&
                    l.photometric != PHOTOMETRIC_YCBCR;
-  image->swapped_ = TIFFIsByteSwapped(handle.get()) != 0;
-  if (auto table = image->read_chunk_table(handle); !table) return table.error();
+  image->swapped_ = TIFFIsByteSwapped(handle->get()) != 0;
+  if (auto table = image->read_chunk_table(*handle); !table) return table.error();
   const auto chunk_bytes = decoded_row_bytes(l) * static_cast<std::size_t>(l.chunk_rows);
   image->kept_ = image->stored_ && l.tiled && l.samples_together() >= 3 && chunk_bytes <= cache_bytes / 8;
   image->through_scratch_ = !image->stored_ && !l.tiled && chunk_bytes > cache_bytes / 2;
+  if (!image->stored_) image->handles_.give_back(std::move(handle));
   return image;
 }
 

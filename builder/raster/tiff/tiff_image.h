@@ -23,8 +23,10 @@ namespace cairn {
 /// colours, through a cache; a strip too large for the cache is unpacked once, row by row, to scratch.
 class TiffImage {
  public:
-  static Result<std::unique_ptr<TiffImage>> open(const std::filesystem::path& path, const TiffHandle& handle,
-                                                 std::uint16_t directory, std::size_t cache_bytes);
+  /// Takes over the handle on the directory, to decode with.
+  static Result<std::unique_ptr<TiffImage>> open(const std::filesystem::path& path,
+                                                 std::unique_ptr<TiffHandle> handle, std::uint16_t directory,
+                                                 std::size_t cache_bytes);
 
   const TiffLayout& layout() const { return layout_; }
 
