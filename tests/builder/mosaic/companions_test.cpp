@@ -37,7 +37,7 @@ fs::path written(const TempDir& folder, const std::string& name, Content content
 }
 
 std::string complaint(const std::vector<fs::path>& paths) {
-  auto pool = RasterPool::open(paths, {});
+  auto pool = RasterPool::open(paths, {}, RasterPool::Content::heights);
   REQUIRE(pool.ok());
   const Status status = refuse_companions(**pool);
   return status ? "" : status.error().message;
