@@ -26,6 +26,25 @@ TileTree imagery_tree(const BakePlan& layers, const GridOptions& grid) {
   });
 }
 
+bool has_gdal_source(const RasterPool& pool) {
+  for (std::size_t s = 0; s < pool.size(); ++s)
+    if (pool.info(s).format.starts_with("gdal")) return true;
+  return false;
+}
+
+// The layers are baked one after the other, and the heights' sources closed in between.
+void share_memory(const BuildOptions& options, int threads, BakePlan& layers) {
+  MemoryNeeds needs{threads, options.grid.tile_size, layers.imagery != nullptr, false, false};
+  if (layers.heights) {
+    needs.with_projected_heights = layers.heights->has_projected_sources();
+    needs.with_gdal = has_gdal_source(layers.heights->pool());
+  }
+  if (layers.imagery) needs.with_gdal = needs.with_gdal || has_gdal_source(layers.imagery->pool());
+  const std::size_t cache = cache_within(options.session.memory_bytes, needs);
+  if (layers.heights) layers.heights->set_cache_bytes(cache);
+  if (layers.imagery) layers.imagery->set_cache_bytes(cache);
+}
+
 }  // namespace
 
 GeoBounds BakePlan::bounds() const {
@@ -45,12 +64,9 @@ std::vector<std::filesystem::path> files_of(const BuildOptions& options) {
 
 Result<BakePlan> plan_bake(const BuildOptions& options, int threads) {
   BakePlan layers;
-  // The layers are baked one after the other, and the heights' sources closed in between.
   const bool with_imagery = !options.imagery.inputs.empty();
-  const std::size_t cache =
-      divide_memory(options.session.memory_bytes, threads, options.grid.tile_size, with_imagery).cache_bytes;
   if (!options.mosaic.inputs.empty()) {
-    auto mosaic = Mosaic::open(options.mosaic, options.grid.tile_size, cache);
+    auto mosaic = Mosaic::open(options.mosaic, options.grid.tile_size);
     if (!mosaic) return mosaic.error();
     layers.heights = std::move(*mosaic);
     auto plan = HeightPlan::make(*layers.heights, options.mosaic, options.heights, options.grid);
@@ -59,13 +75,14 @@ Result<BakePlan> plan_bake(const BuildOptions& options, int threads) {
     layers.heights->set_tolerance(layers.plan->tolerance());
   }
   if (with_imagery) {
-    auto mosaic = ImageryMosaic::open(options.imagery, options.grid.tile_size - 1, cache);
+    auto mosaic = ImageryMosaic::open(options.imagery, options.grid.tile_size - 1);
     if (!mosaic) return mosaic.error();
     layers.imagery = std::move(*mosaic);
     layers.imagery_tree = imagery_tree(layers, options.grid);
     if (!layers.heights && layers.imagery_tree->leaf_count() == 0)
       return usage_error("region: expected an area that the sources cover, found none");
   }
+  share_memory(options, threads, layers);
   return layers;
 }
 

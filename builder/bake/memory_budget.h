@@ -4,16 +4,21 @@
 
 namespace cairn {
 
-/// How a bake divides its memory.
-struct MemoryBudget {
-  std::size_t cache_bytes = 0;  ///< decoded strips and tiles of the sources
+/// What a bake takes memory for besides what it keeps of its sources.
+struct MemoryNeeds {
+  int threads = 1;
+  int tile_size = 513;
+  bool with_imagery = false;
+  bool with_projected_heights = false;
+  bool with_gdal = false;  ///< its own cache of blocks
 };
 
-/// What the program itself, the tiles in flight and the tree above them need comes first; the sources' caches
-/// get the rest, and never less than 8 MiB.
-MemoryBudget divide_memory(std::size_t memory_bytes, int threads, int tile_size, bool with_imagery);
+/// What is left of `memory_bytes` for the caches of the sources: what the program holds by now, the tiles in
+/// flight and the tree above them come first. Never less than 8 MiB. To be asked once the sources are open,
+/// as libraries that are loaded for them count.
+std::size_t cache_within(std::size_t memory_bytes, const MemoryNeeds& needs);
 
-/// The least that a bake can promise to stay under.
+/// The least that a bake can stay under, whatever its sources.
 std::size_t least_memory(int threads, int tile_size, bool with_imagery);
 
 /// Makes the process's allocator keep what is freed, up to 16 MiB a thread: a tile's images are as large

@@ -77,9 +77,11 @@ Result<ErrorStats> measure_leaf(const Mosaic& mosaic, const HeightPlan& plan, co
 Result<ErrorStats> measure_pack(const PackReader& pack, const MosaicOptions& asked,
                                 const HeightOptions& heights, const GridOptions& grid,
                                 const SessionOptions& session, const ProgressCallback& progress) {
-  const MemoryBudget memory = divide_memory(session.memory_bytes, session.threads, grid.tile_size, false);
-  const auto mosaic = Mosaic::open(asked, grid.tile_size, memory.cache_bytes);
+  const auto mosaic = Mosaic::open(asked, grid.tile_size);
   if (!mosaic) return mosaic.error();
+  const bool projected = (*mosaic)->has_projected_sources();
+  (*mosaic)->set_cache_bytes(
+      cache_within(session.memory_bytes, {session.threads, grid.tile_size, false, projected, false}));
   const auto plan = HeightPlan::make(**mosaic, asked, heights, grid);
   if (!plan) return plan.error();
   (*mosaic)->set_tolerance(plan->tolerance());

@@ -163,12 +163,11 @@ ImageryMosaic::Image ImageryMosaic::describe(std::size_t source) const {
   return image;
 }
 
-Result<std::unique_ptr<ImageryMosaic>> ImageryMosaic::open(const ImageryOptions& options, int size,
-                                                           std::size_t cache_bytes) {
+Result<std::unique_ptr<ImageryMosaic>> ImageryMosaic::open(const ImageryOptions& options, int size) {
   std::unique_ptr<ImageryMosaic> mosaic(new ImageryMosaic);
   mosaic->size_ = size;
   mosaic->feather_pixels_ = options.feather_pixels;
-  auto pool = RasterPool::open(options.inputs, {options.bounds, cache_bytes}, RasterPool::Content::colours);
+  auto pool = RasterPool::open(options.inputs, {.bounds = options.bounds}, RasterPool::Content::colours);
   if (!pool) return pool.error();
   mosaic->pool_ = std::move(*pool);
   for (std::size_t s = 0; s < mosaic->pool_->size(); ++s) mosaic->images_.push_back(mosaic->describe(s));

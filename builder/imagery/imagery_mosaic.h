@@ -17,8 +17,10 @@ namespace cairn {
 class ImageryMosaic {
  public:
   /// Tiles have `size` texels a side.
-  static Result<std::unique_ptr<ImageryMosaic>> open(const ImageryOptions& options, int size,
-                                                     std::size_t cache_bytes);
+  static Result<std::unique_ptr<ImageryMosaic>> open(const ImageryOptions& options, int size);
+
+  /// What may be kept of the sources. Before any sample() only.
+  void set_cache_bytes(std::size_t bytes) { pool_->set_cache_bytes(bytes); }
 
   const RasterPool& pool() const { return *pool_; }
   GeoBounds bounds() const;  ///< of the outer edges of all images

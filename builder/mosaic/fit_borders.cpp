@@ -107,7 +107,7 @@ std::vector<float> fitted(const Block& block, const SampleWindow& window, const 
     absent[i] = std::isnan(samples[i]);
     if (absent[i]) samples[i] = 0;
   }
-  (void)equations.fit(samples, tolerance_m);
+  (void)equations.fit(samples, {0, tolerance_m});
   for (std::size_t i = 0; i < samples.size(); ++i)
     if (absent[i]) samples[i] = std::nanf("");
   return samples;

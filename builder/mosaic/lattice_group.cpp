@@ -106,7 +106,8 @@ LatticeGroup::LatticeGroup(RasterPool& pool, const Geoid* geoid, const Lattice& 
       lat_positions_(lattice.lat, samples_per_degree),
       method_(method),
       around_(lattice.posts_around().value_or(kNeverWraps)),
-      fill_(extents_of(pool, members_), around_,
+      index_(extents_of(pool, members_)),
+      fill_(index_.extents(), around_,
             [this](IndexRange columns, IndexRange rows) { return read_posts(columns, rows); }) {
   assert(members_.size() < PostBlock::kVoid - 1u);
   native_level_ = native_level;
@@ -122,13 +123,16 @@ LatticeGroup::LatticeGroup(RasterPool& pool, const Geoid* geoid, const Lattice& 
     sources_.push_back(m.source);
   }
   // Members that touch lie one post apart; what is between them is the group's.
-  const std::vector<IndexWindow> extents = extents_of(pool, members_);
+  const std::vector<IndexWindow>& extents = index_.extents();
   for (std::size_t m = 0; m < extents.size(); ++m) {
     GeoBounds part = footprint_.rectangles()[m];
     bool east = false, north = false;
-    for (const IndexWindow& other : extents) {
-      east = east || follows(extents[m].x, other.x, around_, extents[m].y, other.y);
-      north = north || follows(extents[m].y, other.y, kNeverWraps, extents[m].x, other.x);
+    const IndexWindow& e = extents[m];
+    const IndexWindow beside{{e.x.first - 1, e.x.last + 1}, {e.y.first - 1, e.y.last + 1}};
+    for (const auto& [number, turn] : index_.overlapping(beside, around_)) {
+      const IndexWindow& other = extents[number];
+      east = east || follows(e.x, other.x, around_, e.y, other.y);
+      north = north || follows(e.y, other.y, kNeverWraps, e.x, other.x);
     }
     if (east) part.east = lattice_.lon_of(extents[m].x.last + 1);
     if (north) part.north = lattice_.lat_of(extents[m].y.last + 1);
@@ -177,10 +181,8 @@ Result<PostBlock> LatticeGroup::read_posts(IndexRange columns, IndexRange rows) 
   const std::size_t count = static_cast<std::size_t>(block.columns) * static_cast<std::size_t>(block.rows);
   block.heights.assign(count, kNoHeight);
   block.owners.assign(count, PostBlock::kOutside);
-  for (std::size_t m = 0; m < members_.size(); ++m) {
-    for (const std::int64_t turn : {-around_, std::int64_t{0}, around_}) {
-      if (auto status = read_member(m, turn, block); !status) return status.error();
-    }
+  for (const auto& [member, turn] : index_.overlapping({columns, rows}, around_)) {
+    if (auto status = read_member(member, turn, block); !status) return status.error();
   }
   if (geoid_ == nullptr) return block;
   for (int r = 0; r < block.rows; ++r) {

@@ -13,6 +13,7 @@
 #include "builder/resample/post_block.h"
 #include "builder/resample/resample_lattice.h"
 #include "builder/resample/smooth_lattice.h"
+#include "builder/resample/window_index.h"
 #include "builder/voids/lattice_fill.h"
 
 namespace cairn {
@@ -59,6 +60,7 @@ class LatticeGroup final : public SourceGroup {
   ResampleMethod method_;
   std::int64_t
       around_;  ///< posts around the Earth; so many that nothing wraps where 360 degrees are no whole number
+  WindowIndex index_;  ///< of the members
   LatticeFill fill_;
   Footprint area_;          ///< the footprint, and what lies between members that touch
   double solid_posts_ = 1;  ///< see set_reach()

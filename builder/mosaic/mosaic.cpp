@@ -6,11 +6,13 @@
 #include <limits>
 
 #include "builder/mosaic/companions.h"
+#include "builder/mosaic/lattice.h"
 #include "builder/mosaic/source_grouping.h"
 
 namespace cairn {
 namespace {
 
+constexpr std::size_t kFirstCacheBytes = std::size_t{8} << 20;  // while little is read
 constexpr std::size_t kMostBlockBytes = std::size_t{48} << 20;
 constexpr double kTouch = 1e-8;  // degrees: a footprint that ends on a tile's edge touches it
 
@@ -28,14 +30,11 @@ double default_error_bound(bool whole_metres) {
 
 }  // namespace
 
-Result<std::unique_ptr<Mosaic>> Mosaic::open(const MosaicOptions& options, int tile_size,
-                                             std::size_t cache_bytes) {
+Result<std::unique_ptr<Mosaic>> Mosaic::open(const MosaicOptions& options, int tile_size) {
   std::unique_ptr<Mosaic> mosaic(new Mosaic);
   mosaic->tile_size_ = tile_size;
-  OpenOptions open_options;
-  const std::size_t block_bytes = std::min(cache_bytes / 8, kMostBlockBytes);
-  open_options.cache_bytes = cache_bytes - block_bytes;
-  auto pool = RasterPool::open(options.inputs, open_options, RasterPool::Content::heights);
+  auto pool = RasterPool::open(options.inputs, {.bounds = {}, .cache_bytes = kFirstCacheBytes},
+                               RasterPool::Content::heights);
   if (!pool) return pool.error();
   mosaic->pool_ = std::move(*pool);
   if (auto dems = refuse_companions(*mosaic->pool_); !dems) return dems.error();
@@ -45,7 +44,7 @@ Result<std::unique_ptr<Mosaic>> Mosaic::open(const MosaicOptions& options, int t
     mosaic->geoid_ = std::move(*geoid);
   }
   auto groups = group_sources(*mosaic->pool_, mosaic->geoid_ ? &*mosaic->geoid_ : nullptr, options, tile_size,
-                              block_bytes);
+                              mosaic->blocks_);
   if (!groups) return groups.error();
   mosaic->groups_ = std::move(*groups);
   for (std::size_t s = 0; s < mosaic->pool_->size(); ++s) {
@@ -53,6 +52,18 @@ Result<std::unique_ptr<Mosaic>> Mosaic::open(const MosaicOptions& options, int t
   }
   mosaic->overlay_groups(options);
   return mosaic;
+}
+
+void Mosaic::set_cache_bytes(std::size_t bytes) {
+  const std::size_t of_blocks = has_projected_sources() ? std::min(bytes / 8, kMostBlockBytes) : 0;
+  blocks_->set_byte_limit(of_blocks);
+  pool_->set_cache_bytes(bytes - of_blocks);
+}
+
+bool Mosaic::has_projected_sources() const {
+  for (std::size_t s = 0; s < pool_->size(); ++s)
+    if (!place_on_lattice(pool_->info(s))) return true;
+  return false;
 }
 
 // A group fades over posts of the coarsest group that it lies upon, and is overlaid on samples no coarser

@@ -8,6 +8,7 @@
 #include "builder/mosaic/geoid.h"
 #include "builder/mosaic/group_overlay.h"
 #include "builder/mosaic/source_group.h"
+#include "builder/raster/io/chunk_cache.h"
 #include "builder/raster/raster_pool.h"
 #include "cairn/mosaic_options.h"
 #include "cairn/tile_id.h"
@@ -28,10 +29,14 @@ struct MosaicTile {
 /// into its voids it fades as far.
 class Mosaic {
  public:
-  static Result<std::unique_ptr<Mosaic>> open(const MosaicOptions& options, int tile_size,
-                                              std::size_t cache_bytes);
+  static Result<std::unique_ptr<Mosaic>> open(const MosaicOptions& options, int tile_size);
+
+  /// What may be kept of the sources and of what is resampled of them. Before any sample() only.
+  void set_cache_bytes(std::size_t bytes);
 
   const RasterPool& pool() const { return *pool_; }
+  /// Whether any source's posts lie on no lattice of longitude and latitude.
+  bool has_projected_sources() const;
   /// Lets go of the sources' files and caches, once no more is read of them.
   void close_sources() { pool_->close(); }
   const std::vector<std::unique_ptr<SourceGroup>>& groups() const { return groups_; }
@@ -72,8 +77,9 @@ class Mosaic {
   int tile_size_ = 513;
   std::unique_ptr<RasterPool> pool_;
   std::optional<Geoid> geoid_;
-  std::vector<std::unique_ptr<SourceGroup>> groups_;  // highest priority first
-  std::optional<GroupOverlay> overlay_;               // a layer for each of them
+  std::shared_ptr<ChunkCache> blocks_ = std::make_shared<ChunkCache>(0);  // of projected groups
+  std::vector<std::unique_ptr<SourceGroup>> groups_;                      // highest priority first
+  std::optional<GroupOverlay> overlay_;                                   // a layer for each of them
   bool whole_metres_ = true;
 };
 

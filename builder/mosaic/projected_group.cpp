@@ -58,7 +58,7 @@ SampleState state_at(const PlanePoint& position, const PostBlock& posts) {
 }  // namespace
 
 int ProjectedGroup::level_for(const RasterPool& pool, const Grid& grid, int tile_size) {
-  const IndexWindow hull = GridMembers(extents_of(pool, grid)).hull();
+  const IndexWindow hull = WindowIndex(extents_of(pool, grid)).hull();
   const double least = 1.03 * posts_per_degree(grid.georeference, hull);
   int level = kMinLevel;
   while (level < kMaxLevel && samples_per_degree_at(level, tile_size) < least) ++level;
@@ -66,14 +66,15 @@ int ProjectedGroup::level_for(const RasterPool& pool, const Grid& grid, int tile
 }
 
 ProjectedGroup::ProjectedGroup(RasterPool& pool, const Geoid* geoid, Grid grid, int native_level,
-                               int tile_size, double tolerance_m, std::shared_ptr<ChunkCache> blocks,
-                               std::uint64_t number)
+                               int tile_size, ResampleMethod method, double tolerance_m,
+                               std::shared_ptr<ChunkCache> blocks, std::uint64_t number)
     : pool_(pool),
       geoid_(geoid),
       grid_(std::move(grid)),
       members_(extents_of(pool, grid_)),
       block_side_((tile_size - 1) / 2),
       samples_per_degree_(samples_per_degree_at(native_level, tile_size)),
+      method_(method),
       tolerance_m_(tolerance_m),
       resampler_(grid_.georeference, members_.hull(), samples_per_degree_),
       fill_(members_.extents(), kNeverWraps,
@@ -162,6 +163,12 @@ Result<PostBlock> ProjectedGroup::read_posts(IndexRange columns, IndexRange rows
   return block;
 }
 
+// A sample may be off by the tolerance of its own block's fit and by that of the neighbouring block's.
+FitTolerance ProjectedGroup::fit_tolerance() const {
+  const bool smooth = method_ == ResampleMethod::smooth;
+  return {smooth ? std::max(0.0, tolerance_.interval_m - 2 * tolerance_m_) : 0, tolerance_m_};
+}
+
 SampleWindow ProjectedGroup::window_of_block(std::int64_t x, std::int64_t y) const {
   const auto side = static_cast<int>(block_side_);
   return {x * block_side_, y * block_side_, side, side, samples_per_degree_};
@@ -203,7 +210,7 @@ Result<ChunkCache::Chunk> ProjectedGroup::make_block(const SampleWindow& window)
   }
   std::vector<float> out(positions.at.size());
   std::vector<std::uint8_t> met(complete ? 0 : out.size(), 0);
-  resampler_.resample(posts->heights, fitted, shifts_of(*posts), positions, tolerance_m_, out, met);
+  resampler_.resample(posts->heights, fitted, shifts_of(*posts), positions, fit_tolerance(), out, met);
   return cut_out(window, positions, *posts, out, met);
 }
 

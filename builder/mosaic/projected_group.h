@@ -5,13 +5,15 @@
 #include <vector>
 
 #include "builder/mosaic/geoid.h"
-#include "builder/mosaic/grid_members.h"
+#include "builder/mosaic/grid_placement.h"
 #include "builder/mosaic/source_group.h"
 #include "builder/raster/io/chunk_cache.h"
 #include "builder/raster/raster_pool.h"
 #include "builder/resample/post_block.h"
 #include "builder/resample/resample_projected.h"
+#include "builder/resample/window_index.h"
 #include "builder/voids/lattice_fill.h"
+#include "cairn/mosaic_options.h"
 
 namespace cairn {
 
@@ -34,10 +36,12 @@ class ProjectedGroup final : public SourceGroup {
   /// The first level on which a surface through all posts exists.
   static int level_for(const RasterPool& pool, const Grid& grid, int tile_size);
 
-  /// `blocks` may be shared by groups of different numbers. REQUIRES: pool and geoid (may be null) outlive
-  /// the group; native_level >= level_for().
+  /// Smooth resampling keeps each post within an interval, any other method meets it, both within
+  /// `tolerance_m`. `blocks` may be shared by groups of different numbers. REQUIRES: pool and geoid (may be
+  /// null) outlive the group; native_level >= level_for().
   ProjectedGroup(RasterPool& pool, const Geoid* geoid, Grid grid, int native_level, int tile_size,
-                 double tolerance_m, std::shared_ptr<ChunkCache> blocks, std::uint64_t number);
+                 ResampleMethod method, double tolerance_m, std::shared_ptr<ChunkCache> blocks,
+                 std::uint64_t number);
 
   void set_reach(double /*solid*/, double /*fade*/) override {}  // it ends where its posts end
   NearestPlace nearest_within(const GeoBounds& bounds, double margin) const override;
@@ -64,6 +68,7 @@ class ProjectedGroup final : public SourceGroup {
   Status read_member(std::size_t member, PostBlock& block) const;
   void add_geoid(PostBlock& block) const;
   std::vector<PlanePoint> shifts_of(const PostBlock& block) const;
+  FitTolerance fit_tolerance() const;
   SampleWindow window_of_block(std::int64_t x, std::int64_t y) const;
   Result<Block> block_at(std::int64_t x, std::int64_t y) const;
   Result<ChunkCache::Chunk> make_block(const SampleWindow& window) const;
@@ -78,10 +83,11 @@ class ProjectedGroup final : public SourceGroup {
   RasterPool& pool_;
   const Geoid* geoid_;
   Grid grid_;
-  GridMembers members_;
+  WindowIndex members_;
   std::int64_t block_side_;
   double samples_per_degree_;
-  double tolerance_m_;
+  ResampleMethod method_;
+  double tolerance_m_;       // of the fit
   bool is_shifted_ = false;  // some member's posts lie a little off the grid's
   ProjectedResampler resampler_;
   LatticeFill fill_;

@@ -42,6 +42,7 @@ int lattice_level(const Lattice& lattice, ResampleMethod resampling, int tile_si
 void add_to_lattice(std::vector<LatticeMembers>& lattices, std::size_t source,
                     const LatticePlacement& placement) {
   for (LatticeMembers& l : lattices) {
+    if (l.members.size() + 2 >= PostBlock::kVoid) continue;
     if (const auto rebased = rebase(placement, l.lattice)) {
       l.members.push_back({source, *rebased});
       return;
@@ -71,7 +72,7 @@ int asked_level(int native, int finest, const MosaicOptions& options) {
 
 Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool, const Geoid* geoid,
                                                                 const MosaicOptions& options, int tile_size,
-                                                                std::size_t block_bytes) {
+                                                                std::shared_ptr<ChunkCache> blocks) {
   std::vector<LatticeMembers> lattices;
   std::vector<ProjectedGroup::Grid> grids;
   for (std::size_t s = 0; s < pool.size(); ++s) {
@@ -95,11 +96,10 @@ Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool
   }
   const double error_bound_m = options.max_error_m.value_or(kFinestDefaultErrorBound);
   const double tolerance = error_bound_m * kShareOfErrorBound;
-  const auto blocks = std::make_shared<ChunkCache>(block_bytes);
   for (auto& g : grids) {
     const int level = asked_level(ProjectedGroup::level_for(pool, g, tile_size), finest, options);
-    groups.push_back(std::make_unique<ProjectedGroup>(pool, geoid, std::move(g), level, tile_size, tolerance,
-                                                      blocks, groups.size()));
+    groups.push_back(std::make_unique<ProjectedGroup>(pool, geoid, std::move(g), level, tile_size,
+                                                      options.resampling, tolerance, blocks, groups.size()));
   }
   sort_by_priority(pool, groups);
   return groups;

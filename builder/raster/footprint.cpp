@@ -12,24 +12,34 @@ namespace {
 constexpr std::array<double, 3> kTurns = {-360.0, 0.0, 360.0};
 constexpr double kLine = 1e-9;  // degrees (0.1 mm): a shared edge is no area
 
-constexpr int kMostCells =
-    64;  // of a rectangle that is indexed by cell, or of an area that is looked up by cell
-constexpr int kCellsAround = 360;
+constexpr int kLeastExponent = -3, kMostExponent = 18;  // of cells: 2^-exponent degrees wide
 
 struct Cells {
-  int west = 0, south = 0, east = 0, north = 0;  // inclusive; longitudes not yet wrapped
+  std::int64_t west = 0, south = 0, east = 0, north = 0;  // inclusive; longitudes not yet wrapped
 
-  std::int64_t count() const { return std::int64_t{east - west + 1} * (north - south + 1); }
+  std::int64_t count() const { return (east - west + 1) * (north - south + 1); }
 };
 
-Cells cells_of(const GeoBounds& b, double margin) {
-  const auto cell = [](double at) { return static_cast<int>(std::floor(std::clamp(at, -1e6, 1e6))); };
+// Cells about as large as the rectangle, so that it lies in few of them.
+int exponent_of(const GeoBounds& b) {
+  const double side = std::max({b.width(), b.height(), std::ldexp(1.0, -kMostExponent)});
+  return std::clamp(-std::ilogb(side) - 1, kLeastExponent, kMostExponent);
+}
+
+std::int64_t cells_around(int exponent) {
+  return std::llround(std::ldexp(360.0, exponent));
+}
+
+Cells cells_of(const GeoBounds& b, double margin, int exponent) {
+  const auto cell = [exponent](double at) {
+    return static_cast<std::int64_t>(std::floor(std::ldexp(std::clamp(at, -1e4, 1e4), exponent)));
+  };
   return {cell(b.west - margin), cell(b.south - margin), cell(b.east + margin), cell(b.north + margin)};
 }
 
-int key_of(int column, int row) {
-  const int wrapped = ((column % kCellsAround) + kCellsAround) % kCellsAround;
-  return row * kCellsAround + wrapped;
+std::int64_t key_of(std::int64_t column, std::int64_t row, int exponent) {
+  const std::int64_t around = cells_around(exponent);
+  return row * around + ((column % around) + around) % around;
 }
 
 double outside(double at, double low, double high) {
@@ -50,29 +60,32 @@ bool overlap(const GeoBounds& r, const GeoBounds& rectangle, double margin) {
 void Footprint::add(const GeoBounds& rectangle) {
   const auto number = static_cast<std::uint32_t>(rectangles_.size());
   rectangles_.push_back(rectangle);
-  const Cells cells = cells_of(rectangle, 2 * kLine);
-  if (cells.count() > kMostCells || cells.east - cells.west >= kCellsAround) {
-    large_.push_back(number);
-    return;
-  }
-  for (int row = cells.south; row <= cells.north; ++row)
-    for (int column = cells.west; column <= cells.east; ++column)
-      by_cell_[key_of(column, row)].push_back(number);
+  const int exponent = exponent_of(rectangle);
+  Scale& scale = scales_[exponent];
+  scale.all.push_back(number);
+  const Cells cells = cells_of(rectangle, 2 * kLine, exponent);
+  for (std::int64_t row = cells.south; row <= cells.north; ++row)
+    for (std::int64_t column = cells.west; column <= cells.east; ++column)
+      scale.by_cell[key_of(column, row, exponent)].push_back(number);
 }
 
 template <class Visit>
 bool Footprint::any_near(const GeoBounds& area, double margin, const Visit& visit) const {
-  const Cells cells = cells_of(area, margin);
-  const auto all = static_cast<std::int64_t>(rectangles_.size());
-  if (cells.count() > std::min<std::int64_t>(kMostCells, all) || cells.east - cells.west >= kCellsAround)
-    return std::any_of(rectangles_.begin(), rectangles_.end(), visit);
   const auto visit_number = [&](std::uint32_t number) { return visit(rectangles_[number]); };
-  if (std::any_of(large_.begin(), large_.end(), visit_number)) return true;
-  for (int row = cells.south; row <= cells.north; ++row) {
-    for (int column = cells.west; column <= cells.east; ++column) {
-      const auto cell = by_cell_.find(key_of(column, row));
-      if (cell != by_cell_.end() && std::any_of(cell->second.begin(), cell->second.end(), visit_number))
-        return true;
+  for (const auto& [exponent, scale] : scales_) {
+    const Cells cells = cells_of(area, margin, exponent);
+    if (cells.count() > static_cast<std::int64_t>(scale.all.size()) ||
+        cells.east - cells.west >= cells_around(exponent)) {
+      if (std::any_of(scale.all.begin(), scale.all.end(), visit_number)) return true;
+      continue;
+    }
+    for (std::int64_t row = cells.south; row <= cells.north; ++row) {
+      for (std::int64_t column = cells.west; column <= cells.east; ++column) {
+        const auto cell = scale.by_cell.find(key_of(column, row, exponent));
+        if (cell != scale.by_cell.end() &&
+            std::any_of(cell->second.begin(), cell->second.end(), visit_number))
+          return true;
+      }
     }
   }
   return false;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <unordered_map>
 #include <vector>
 
@@ -42,11 +43,15 @@ class Footprint {
   template <class Visit>
   bool any_near(const GeoBounds& area, double margin, const Visit& visit) const;
 
+  /// Numbers of rectangles of about one size, by cells as large as they are, so that thousands of files cost
+  /// no more than a few.
+  struct Scale {
+    std::unordered_map<std::int64_t, std::vector<std::uint32_t>> by_cell;
+    std::vector<std::uint32_t> all;
+  };
+
   std::vector<GeoBounds> rectangles_;
-  /// Numbers of rectangles by cell of whole degrees, so that thousands of files cost no more than a few;
-  /// those of more cells than are worth it stand apart.
-  std::unordered_map<int, std::vector<std::uint32_t>> by_cell_;
-  std::vector<std::uint32_t> large_;
+  std::map<int, Scale> scales_;  // a cell of scale e is 2^-e degrees wide
 };
 
 }  // namespace cairn

@@ -25,7 +25,8 @@ Result<std::unique_ptr<RasterPool>> RasterPool::open(std::span<const std::filesy
   std::unique_ptr<RasterPool> pool(new RasterPool);
   pool->options_ = options;
   if (auto status = pool->ask_all(paths); !status) return status.error();
-  pool->divide_cache(options.cache_bytes, content);
+  pool->content_ = content;
+  pool->set_cache_bytes(options.cache_bytes);
   return pool;
 }
 
@@ -50,8 +51,9 @@ Status RasterPool::ask_all(std::span<const std::filesystem::path> paths) {
 }
 
 // By what there is to keep: the posts of sources that are read whole, and the caches of the others.
-void RasterPool::divide_cache(std::size_t cache_bytes, Content content) {
-  if (content == Content::heights) most_whole_bytes_ = std::min(kMostWholeBytes, cache_bytes / kLeastWhole);
+void RasterPool::set_cache_bytes(std::size_t cache_bytes) {
+  close();
+  if (content_ == Content::heights) most_whole_bytes_ = std::min(kMostWholeBytes, cache_bytes / kLeastWhole);
   double small = 0, large = 0;
   std::size_t large_count = 0;
   for (const RasterInfo& info : infos_) {

@@ -23,9 +23,13 @@ class RasterPool {
   enum class Content { heights, colours };
 
   /// Opens every path once, on all threads of the caller's arena, to ask what it is. `options.cache_bytes`
-  /// is shared by all that is kept of the sources. The error is that of the first path that has one.
+  /// is shared by all that is kept of the sources, until set_cache_bytes(). The error is that of the first
+  /// path that has one.
   static Result<std::unique_ptr<RasterPool>> open(std::span<const std::filesystem::path> paths,
                                                   const OpenOptions& options, Content content);
+
+  /// What may be kept of all sources together. Drops what is kept. Not while other threads read.
+  void set_cache_bytes(std::size_t cache_bytes);
 
   std::size_t size() const { return infos_.size(); }
   const RasterInfo& info(std::size_t source) const { return infos_[source]; }
@@ -51,11 +55,11 @@ class RasterPool {
   };
 
   Status ask_all(std::span<const std::filesystem::path> paths);
-  void divide_cache(std::size_t cache_bytes, Content content);
   bool is_small(const RasterInfo& info) const;
   Result<ChunkCache::Chunk> read_whole(std::size_t source);
   std::shared_ptr<ChunkCache> posts();
 
+  Content content_ = Content::heights;
   std::vector<RasterInfo> infos_;
   OpenOptions options_;
   std::size_t most_open_ = 1;

@@ -66,9 +66,11 @@ void PostEquations::add_transposed(const Row& row, float factor, float* samples)
   north[1] += factor * row.weights[3];
 }
 
-// Of the scaled rows; returns the worst unscaled one. Heights enter as differences from a sample, which
-// floats hold better than their own height.
-double PostEquations::residuals(std::span<const float> samples, std::span<float> out) const {
+// Of the scaled rows, what lies beyond the interval; returns the worst unscaled one. Heights enter as
+// differences from a sample, which floats hold better than their own height.
+double PostEquations::residuals(std::span<const float> samples, double interval_m,
+                                std::span<float> out) const {
+  const auto interval = static_cast<float>(interval_m);
   double worst = 0;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Row& row = rows_[i];
@@ -77,8 +79,10 @@ double PostEquations::residuals(std::span<const float> samples, std::span<float>
     const float base = row.height;
     const float sum = (row.weights[0] * (base - south[0]) + row.weights[1] * (base - south[1])) +
                       (row.weights[2] * (base - north[0]) + row.weights[3] * (base - north[1]));
-    out[i] = sum;
-    worst = std::max(worst, static_cast<double>(std::abs(sum) * row.length));
+    const float missed = sum * row.length;
+    const float beyond = missed - std::clamp(missed, -interval, interval);
+    out[i] = interval > 0 ? beyond / row.length : sum;
+    worst = std::max(worst, static_cast<double>(std::abs(beyond)));
   }
   return worst;
 }
@@ -120,16 +124,16 @@ int PostEquations::correct(std::span<float> r, double tolerance_m, int most_roun
   return rounds;
 }
 
-PostEquations::Fit PostEquations::fit(std::span<float> samples, double tolerance_m) const {
+PostEquations::Fit PostEquations::fit(std::span<float> samples, const FitTolerance& tolerance) const {
   constexpr int most_rounds = 300;
   std::vector<float> r(rows_.size());
-  Fit fit{0, residuals(samples, r)};
+  Fit fit{0, residuals(samples, tolerance.interval_m, r)};
   // The residuals that the rounds carry along drift from the true ones, so these are worked out anew at the
   // end.
-  while (fit.worst_residual_m > tolerance_m && fit.rounds < most_rounds) {
-    fit.rounds += correct(r, 0.9 * tolerance_m, most_rounds - fit.rounds, samples);
+  while (fit.worst_residual_m > tolerance.tolerance_m && fit.rounds < most_rounds) {
+    fit.rounds += correct(r, 0.9 * tolerance.tolerance_m, most_rounds - fit.rounds, samples);
     const double before = fit.worst_residual_m;
-    fit.worst_residual_m = residuals(samples, r);
+    fit.worst_residual_m = residuals(samples, tolerance.interval_m, r);
     if (fit.worst_residual_m > before / 2) break;
   }
   return fit;

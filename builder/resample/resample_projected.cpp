@@ -272,14 +272,15 @@ PostEquations ProjectedResampler::equations(std::span<const float> heights,
 PostEquations::Fit ProjectedResampler::resample(std::span<const float> heights,
                                                 std::span<const std::uint8_t> fitted,
                                                 std::span<const PlanePoint> shifts,
-                                                const SamplePositions& positions, double tolerance_m,
-                                                std::span<float> out, std::span<std::uint8_t> met) const {
+                                                const SamplePositions& positions,
+                                                const FitTolerance& tolerance, std::span<float> out,
+                                                std::span<std::uint8_t> met) const {
   assert(heights.size() == static_cast<std::size_t>(positions.posts.count()) &&
          fitted.size() == heights.size());
   assert(out.size() == positions.at.size() && (met.empty() || met.size() == out.size()));
   assert(shifts.empty() || shifts.size() == heights.size());
   interpolate(heights, positions, out);
-  return equations(heights, fitted, shifts, positions, met).fit(out, tolerance_m);
+  return equations(heights, fitted, shifts, positions, met).fit(out, tolerance);
 }
 
 double posts_per_degree(const Georeference& georeference, IndexWindow posts) {

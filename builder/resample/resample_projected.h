@@ -59,7 +59,8 @@ class ProjectedResampler {
   /// 0.001 m at heights up to 9000 m.
   PostEquations::Fit resample(std::span<const float> heights, std::span<const std::uint8_t> fitted,
                               std::span<const PlanePoint> shifts, const SamplePositions& positions,
-                              double tolerance_m, std::span<float> out, std::span<std::uint8_t> met) const;
+                              const FitTolerance& tolerance, std::span<float> out,
+                              std::span<std::uint8_t> met) const;
 
   /// Samples around the Earth.
   double around() const { return 360 * samples_per_degree_; }

@@ -121,10 +121,10 @@ Surface resampled(const Raster& raster, double samples_per_degree, double tolera
     const std::vector<float> posts = complete_posts(raster, positions.posts);
     const std::vector<std::uint8_t> fitted = posts_of(raster, positions.posts);
     samples.resize(static_cast<std::size_t>(window.count()));
-    cubic =
-        std::max(cubic, resampler.resample(posts, fitted, {}, positions, 1e9, samples, {}).worst_residual_m);
+    cubic = std::max(
+        cubic, resampler.resample(posts, fitted, {}, positions, {0, 1e9}, samples, {}).worst_residual_m);
     const double start = thread_seconds();
-    const auto fit = resampler.resample(posts, fitted, {}, positions, tolerance, samples, {});
+    const auto fit = resampler.resample(posts, fitted, {}, positions, {0, tolerance}, samples, {});
     seconds += thread_seconds() - start;
     most_rounds = std::max(most_rounds, static_cast<double>(fit.rounds));
     worst = std::max(worst, fit.worst_residual_m);

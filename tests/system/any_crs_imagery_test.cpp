@@ -131,7 +131,7 @@ TEST_CASE("orthoimages that touch, in any CRS, leave no texel open between them"
     const TempDir folder;
     ImageryOptions options;
     options.inputs = write_images(folder.path(), layout);
-    const auto mosaic = ImageryMosaic::open(options, kTexels, 8 << 20);
+    const auto mosaic = ImageryMosaic::open(options, kTexels);
     INFO((mosaic.ok() ? "" : mosaic.error().message));
     REQUIRE(mosaic.ok());
     const PixelsByProj pixels(layout);

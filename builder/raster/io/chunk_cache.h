@@ -35,6 +35,9 @@ class ChunkCache {
 
   explicit ChunkCache(std::size_t byte_limit) : byte_limit_(byte_limit) {}
 
+  /// Not while other threads use the cache. What it holds goes as more comes in.
+  void set_byte_limit(std::size_t bytes) { byte_limit_ = bytes; }
+
   /// The chunk, loaded if it is not there. Chunks in use stay alive past their eviction; one larger than the
   /// limit is handed out and not kept. REQUIRES: nothing handed out outlives the cache.
   Result<Bytes> get(Key key, const Load& load);

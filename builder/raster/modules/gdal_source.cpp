@@ -27,7 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr GIntBig kCacheBytes = 64 << 20;
+constexpr GIntBig kCacheBytes =
+    16 << 20;  // of all datasets together; builder/bake/memory_budget.cpp counts it
 
 struct CloseDataset {
   void operator()(void* dataset) const { GDALClose(dataset); }

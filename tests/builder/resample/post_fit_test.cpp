@@ -81,7 +81,7 @@ TEST_CASE("the fit is the least change of the samples: a dense solve agrees") {
     REQUIRE(equations.size() == posts.size());
     std::vector<float> samples(kSide * kSide, 500);
     const std::vector<double> expected = least_change(posts, samples);
-    const PostEquations::Fit fit = equations.fit(samples, 1e-3);
+    const PostEquations::Fit fit = equations.fit(samples, {0, 1e-3});
     CHECK(fit.worst_residual_m <= 1e-3);
     CHECK(fit.rounds > 1);
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -96,7 +96,7 @@ TEST_CASE("the residual that a fit reports is that of its samples") {
   for (const Post& p : posts) equations.add(p.y * kSide + p.x, p.s, p.t, p.height);
   for (double tolerance : {1e9, 10.0, 0.1, 0.002}) {
     std::vector<float> samples(kSide * kSide, 300);
-    const PostEquations::Fit fit = equations.fit(samples, tolerance);
+    const PostEquations::Fit fit = equations.fit(samples, {0, tolerance});
     double worst = 0;
     for (const Post& p : posts) {
       const auto a = p.row();
@@ -110,12 +110,35 @@ TEST_CASE("the residual that a fit reports is that of its samples") {
   }
 }
 
+TEST_CASE("with an interval a fit misses posts by no more, and leaves a surface within it alone") {
+  const std::vector<Post> posts = scattered_posts(5);
+  PostEquations equations(kSide);
+  for (const Post& p : posts) equations.add(p.y * kSide + p.x, p.s, p.t, p.height);
+  const std::vector<float> before(kSide * kSide, 500);
+  std::vector<float> samples(before);
+  constexpr double interval = 120, tolerance = 0.01;
+  const PostEquations::Fit fit = equations.fit(samples, {interval, tolerance});
+  CHECK(fit.worst_residual_m <= tolerance);
+  for (const Post& p : posts) {
+    const auto a = p.row();
+    double surface = 0;
+    for (std::size_t s = 0; s < a.size(); ++s) surface += a[s] * static_cast<double>(samples[s]);
+    const double height = static_cast<double>(p.height);
+    // What was missed by more than the interval is missed by the interval, the rest by as much as before.
+    const double expected = height + std::clamp(500 - height, -interval, interval);
+    CHECK(surface == Approx(expected).margin(2 * tolerance));
+  }
+  std::vector<float> within(before);
+  CHECK(equations.fit(within, {600, tolerance}).rounds == 0);
+  CHECK(within == before);
+}
+
 TEST_CASE("posts that contradict each other end the fit, and it says so") {
   PostEquations equations(2);
   equations.add(0, 0.5, 0.5, 100);
   equations.add(0, 0.5, 0.5, 200);
   std::vector<float> samples(4, 0);
-  const PostEquations::Fit fit = equations.fit(samples, 0.01);
+  const PostEquations::Fit fit = equations.fit(samples, {0, 0.01});
   CHECK(fit.worst_residual_m > 49.9);
   for (float h : samples) CHECK(std::isfinite(h));
 }

@@ -68,7 +68,7 @@ std::vector<float> resampled(const Case& c, IndexWindow window, const Height& he
   const SamplePositions positions = resampler.positions_of(window);
   const std::vector<float> heights = heights_of(positions.posts, height);
   const std::vector<std::uint8_t> fitted(heights.size(), 1);
-  const auto fit = resampler.resample(heights, fitted, {}, positions, tolerance, out, {});
+  const auto fit = resampler.resample(heights, fitted, {}, positions, {0, tolerance}, out, {});
   CHECK(fit.worst_residual_m <= tolerance);
   return out;
 }

@@ -1,14 +1,10 @@
-#include "builder/mosaic/grid_members.h"
+#include "builder/resample/window_index.h"
 
 #include <algorithm>
-#include <cassert>
-#include <cmath>
+#include <utility>
 
 namespace cairn {
 namespace {
-
-constexpr double kCoincide = 0.01;  // of a post
-constexpr double kSame = 1e-6;
 
 std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
   return a / b - (a % b < 0 ? 1 : 0);
@@ -25,28 +21,8 @@ std::int64_t number_of(std::int64_t x, std::int64_t y) {
 
 }  // namespace
 
-std::optional<GridPlacement> place_on_grid(const RasterInfo& info, const Georeference& grid) {
-  const Georeference& own = info.georeference;
-  if (!own.has_crs_of(grid)) return std::nullopt;
-  const auto post_of = [&](double column, double row) {
-    return grid.post_at_coordinate(own.coordinate_of(column, row));
-  };
-  const auto first = post_of(0, 0);
-  const double column = std::round(first.column), row = std::round(first.row);
-  if (!(std::abs(column) < 1e15 && std::abs(row) < 1e15)) return std::nullopt;
-  const double c = static_cast<double>(info.columns - 1), r = static_cast<double>(info.rows - 1);
-  double farthest = 0;
-  for (const auto& corner : {std::pair{0., 0.}, {c, 0.}, {0., r}, {c, r}}) {
-    const auto at = post_of(corner.first, corner.second);
-    farthest = std::max(
-        {farthest, std::abs(at.column - column - corner.first), std::abs(at.row - row - corner.second)});
-  }
-  if (!(farthest <= kCoincide)) return std::nullopt;
-  return GridPlacement{static_cast<std::int64_t>(column), static_cast<std::int64_t>(row), farthest > kSame};
-}
-
-GridMembers::GridMembers(std::vector<IndexWindow> extents) : extents_(std::move(extents)) {
-  assert(!extents_.empty());
+WindowIndex::WindowIndex(std::vector<IndexWindow> extents) : extents_(std::move(extents)) {
+  if (extents_.empty()) return;
   hull_ = extents_.front();
   std::int64_t sides = 0;
   for (const IndexWindow& e : extents_) {
@@ -66,12 +42,12 @@ GridMembers::GridMembers(std::vector<IndexWindow> extents) : extents_(std::move(
   }
 }
 
-IndexWindow GridMembers::cells_of(const IndexWindow& w) const {
+IndexWindow WindowIndex::cells_of(const IndexWindow& w) const {
   return {{floor_divide(w.x.first, cell_), floor_divide(w.x.last, cell_)},
           {floor_divide(w.y.first, cell_), floor_divide(w.y.last, cell_)}};
 }
 
-std::vector<std::size_t> GridMembers::overlapping(const IndexWindow& window) const {
+std::vector<std::size_t> WindowIndex::overlapping(const IndexWindow& window) const {
   const IndexWindow within{{std::max(window.x.first, hull_.x.first), std::min(window.x.last, hull_.x.last)},
                            {std::max(window.y.first, hull_.y.first), std::min(window.y.last, hull_.y.last)}};
   std::vector<std::size_t> found;
@@ -87,6 +63,17 @@ std::vector<std::size_t> GridMembers::overlapping(const IndexWindow& window) con
   }
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+std::vector<WindowIndex::Turned> WindowIndex::overlapping(const IndexWindow& window,
+                                                          std::int64_t around) const {
+  std::vector<Turned> found;
+  for (const std::int64_t turn : {-around, std::int64_t{0}, around}) {
+    const IndexWindow moved{{window.x.first - turn, window.x.last - turn}, window.y};
+    for (const std::size_t number : overlapping(moved)) found.push_back({number, turn});
+  }
+  std::sort(found.begin(), found.end());
   return found;
 }
 
