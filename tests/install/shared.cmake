@@ -3,7 +3,7 @@
 set(shared ${BUILD}/shared)
 set(configure -S ${SOURCE} -B ${shared} -G Ninja -D BUILD_SHARED_LIBS=ON -D CAIRN_UNITY=ON -D CAIRN_TESTS=OFF
               -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS_DEBUG=-O0)
-set(build --build ${shared})
+set(build --build ${shared} -- --quiet)
 foreach(step configure build)
   execute_process(COMMAND ${CMAKE_COMMAND} ${${step}} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT result EQUAL 0)

@@ -13,7 +13,7 @@ namespace {
 constexpr double kMargin_px = 0.5;
 
 /// The tests here and the measure of Screen project in two ways, each with its own rounding.
-constexpr double kRounding = 1e-6;
+constexpr double kEdgeRounding = 1e-6;
 
 double focal_px_of(const LodView& view) {
   return view.view.viewport_height_px / (2 * std::tan(glm::radians(view.view.fov_y_deg) / 2));
@@ -56,7 +56,7 @@ TriangleView::TriangleView(const LodView& view, double lowest_m)
     : camera(camera_frame(view.view)),
       sample_camera(camera),
       horizon(camera.position, Occluder(lowest_m)),
-      tolerance(view.tolerance_px * (1 - kRounding)) {
+      tolerance(view.tolerance_px * (1 - kEdgeRounding)) {
   const double focal_px = focal_px_of(view);
   tolerance /= focal_px;
   half_width = (view.view.viewport_width_px / 2.0 + kMargin_px) / focal_px;
