@@ -89,11 +89,22 @@ struct PackSampler::State {
     HeightTile tile;
   };
 
+  /// What the last place inside a tile of the grid, not on its edge, led to: the tile that gives the heights
+  /// is one for all places there. It is the first of the cache.
+  struct Asked {
+    TileId id;
+    WorldExtent extent;  // of id
+    int coarsest = 0;
+    std::optional<IndexEntry> found;
+  };
+
   Result<const HeightTile*> tile(const IndexEntry& entry);
+  Result<std::optional<IndexEntry>> find_tile(TilePlace first, LonLat place, int coarsest, TilePlace& at);
 
   const PackReader* reader;
   std::size_t most_tiles;
   std::vector<Cached> cache;  // latest use first
+  std::optional<Asked> asked;
 };
 
 Result<const HeightTile*> PackSampler::State::tile(const IndexEntry& entry) {
@@ -110,8 +121,38 @@ Result<const HeightTile*> PackSampler::State::tile(const IndexEntry& entry) {
   return &cache.front().tile;
 }
 
+/// Returns the tile that gives the height, now the first of the cache, and in `at` where the place lies in
+/// it. `first` is the place in the tile of the finest level that is used.
+Result<std::optional<IndexEntry>> PackSampler::State::find_tile(TilePlace first, LonLat place, int coarsest,
+                                                                TilePlace& at) {
+  const int intervals = reader->header().tile_size - 1;
+  const auto is_inside = [&](const WorldExtent& extent) {
+    return first.column > 0 && first.column < extent.east && first.row > 0 && first.row < extent.north;
+  };
+  if (asked && asked->id == first.id && asked->coarsest == coarsest && is_inside(asked->extent)) {
+    if (asked->found)
+      at = asked->found->id == first.id ? first : place_in(asked->found->id, place, intervals);
+    return asked->found;
+  }
+  asked.reset();
+  std::optional<IndexEntry> found;
+  for (int l = first.id.level; l >= coarsest && !found; --l) {
+    const Candidates candidates = candidates_at(place, l, intervals);
+    for (std::size_t i = 0; i < candidates.count && !found; ++i) {
+      at = candidates.places[i];
+      found = reader->find(Layer::heights, at.id);
+    }
+  }
+  if (found) {
+    if (const auto read = tile(*found); !read) return read.error();
+  }
+  const WorldExtent extent = world_extent(first.id, intervals + 1);
+  if (is_inside(extent)) asked = Asked{first.id, extent, coarsest, found};
+  return found;
+}
+
 PackSampler::PackSampler(const PackReader& reader, std::size_t cached_tiles)
-    : state_(new State{&reader, cached_tiles, {}}) {
+    : state_(new State{&reader, cached_tiles, {}, {}}) {
   assert(cached_tiles >= 1);
 }
 
@@ -123,21 +164,16 @@ Result<std::optional<PackSampler::Height>> PackSampler::height_at(LonLat place, 
   const PackReader& reader = *state_->reader;
   const auto range = reader.levels(Layer::heights);
   if (!range || !std::isfinite(place.lon) || !(std::abs(place.lat) <= 90)) return Answer();
-  const int intervals = reader.header().tile_size - 1;
+  finest = std::min(finest, range->finest);
   coarsest = std::max(coarsest, range->coarsest);
-  for (int l = std::min(finest, range->finest); l >= coarsest; --l) {
-    const Candidates candidates = candidates_at(place, l, intervals);
-    for (const TilePlace& at : std::span(candidates.places).first(candidates.count)) {
-      const std::optional<IndexEntry> entry = reader.find(Layer::heights, at.id);
-      if (!entry) continue;
-      const Result<const HeightTile*> tile = state_->tile(*entry);
-      if (!tile) return tile.error();
-      const std::optional<double> quanta = interpolate(**tile, at);
-      if (!quanta) return Answer();
-      return Answer(Height{*quanta * reader.header().quantum_m, l});
-    }
-  }
-  return Answer();
+  if (finest < coarsest) return Answer();
+  TilePlace at = place_in(tile_at(place, finest), place, reader.header().tile_size - 1);
+  const auto entry = state_->find_tile(at, place, coarsest, at);
+  if (!entry) return entry.error();
+  if (!*entry) return Answer();
+  const std::optional<double> quanta = interpolate(state_->cache.front().tile, at);
+  if (!quanta) return Answer();
+  return Answer(Height{*quanta * reader.header().quantum_m, (*entry)->id.level, (*entry)->geometric_error_m});
 }
 
 }  // namespace cairn

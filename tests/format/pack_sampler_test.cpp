@@ -64,6 +64,48 @@ TEST_CASE("a surface that bilinear sampling keeps comes back at random places an
   }
 }
 
+TEST_CASE("a sampler's answer does not depend on what it was asked before") {
+  const test::TempDir dir;
+  const test::TestSurface surface{257, 2, test::hills, [](std::int64_t column, std::int64_t) {
+                                    return column > 9 * 256 + 100 && column < 9 * 256 + 140;
+                                  }};
+  const PackReader reader =
+      open_pack(dir, surface, test::with_ancestors({{2, 8, 4}, {2, 9, 5}, {2, 11, 7}}, -3));
+  PackSampler asked(reader, 2);
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> lon(-178.1, -176.9), lat(-89.1, -87.9), near(-1e-3, 1e-3);
+  LonLat place{-177.5, -88.5};
+  int there = 0;
+  for (int i = 0; i < 1200; ++i) {
+    switch (i % 4) {
+      case 0:
+        place = {lon(random), lat(random)};
+        break;
+      case 1:
+        place = {std::round(place.lon * 8) / 8, place.lat};  // edges of tiles, and their corners below
+        break;
+      case 2:
+        place = {place.lon, std::round(place.lat * 8) / 8};
+        break;
+      default:
+        place = {place.lon + near(random), place.lat + near(random)};
+    }
+    const int finest = i % 3, coarsest = i % 5 == 0 ? finest : -3;
+    PackSampler fresh(reader, 1);
+    const auto found = asked.height_at(place, finest, coarsest);
+    const auto expected = fresh.height_at(place, finest, coarsest);
+    REQUIRE((found.ok() && expected.ok()));
+    REQUIRE(found->has_value() == expected->has_value());
+    if (!*found) continue;
+    ++there;
+    REQUIRE((*found)->metres == (*expected)->metres);
+    REQUIRE((*found)->level == (*expected)->level);
+    const auto entry = reader.find(Layer::heights, tile_at(place, (*found)->level));
+    if (entry) REQUIRE((*found)->error_m == entry->geometric_error_m);
+  }
+  CHECK(there > 300);
+}
+
 TEST_CASE("the outer border of what was baked has heights, on every side and corner, and past it has none") {
   const test::TempDir dir;
   const PackReader reader = open_pack(dir, kTilted, {{2, 833, 507}});  // 28.25..28.5 E, 36.75..37 N

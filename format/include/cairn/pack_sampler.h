@@ -23,7 +23,8 @@ class PackSampler {
 
   struct Height {
     double metres = 0;
-    int level = 0;  ///< of the tile that it comes from
+    int level = 0;      ///< of the tile that it comes from
+    float error_m = 0;  ///< geometric error of that tile
   };
 
   /// Returns nullopt where no tile covers the place, where a sample that it needs is void, and where the
