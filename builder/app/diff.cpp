@@ -60,7 +60,7 @@ Json tile_json(const TileDifference& tile) {
   Json out = {{"layer", to_string(tile.layer)}, {"tile", to_string(tile.id)}, {"in", text_of(tile.presence)}};
   if (tile.heights) out["heights"] = heights_json(*tile.heights);
   if (tile.texels) out["texels"] = {{"max", tile.texels->max}, {"differing", tile.texels->texels}};
-  if (tile.triangulations) out["triangulations"] = true;
+  if (tile.blocks_differ) out["blocks_differ"] = true;
   if (!tile.values.empty()) out["values"] = values_json(tile.values);
   return out;
 }
@@ -113,7 +113,7 @@ void print_tile(const TileDifference& tile) {
   }
   if (tile.texels)
     text += fmt::format(": {} texels differ, max {} of 255", tile.texels->texels, tile.texels->max);
-  if (tile.triangulations) text += ": triangulations differ";
+  if (tile.blocks_differ) text += ": blocks differ";
   for (const ValueDifference& value : tile.values)
     text += fmt::format(": {} {}, {}", value.key, value.a, value.b);
   fmt::print("{}\n", text);

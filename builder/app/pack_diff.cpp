@@ -1,9 +1,11 @@
 #include "builder/app/pack_diff.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
+#include <map>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -135,7 +137,7 @@ class TileComparer {
     note(out.values, "filled", a.filled / 65535.0, b.filled / 65535.0);
     if (!has_equal_block(a, b))
       if (auto status = compare_blocks(key, a, b, out); !status) return status.error();
-    const bool differs = out.heights || out.texels || out.triangulations || !out.values.empty();
+    const bool differs = out.heights || out.texels || out.blocks_differ || !out.values.empty();
     return differs ? std::optional(std::move(out)) : std::nullopt;
   }
 
@@ -147,15 +149,9 @@ class TileComparer {
   }
 
   Status compare_blocks(const TileKey& key, const IndexEntry& a, const IndexEntry& b, TileDifference& out) {
-    switch (key.layer) {
-      case Layer::heights:
-        return compare_heights(key.id, out);
-      case Layer::imagery:
-        return compare_texels(a, b, out);
-      case Layer::rqt:
-        out.triangulations = true;
-        return {};
-    }
+    if (key.layer == Layer::heights) return compare_heights(key.id, out);
+    if (key.layer == Layer::imagery) return compare_texels(a, b, out);
+    out.blocks_differ = true;
     return {};
   }
 
@@ -249,23 +245,21 @@ Status diff_tiles(const PackReader& a, const PackReader& b, std::span<const Tile
 
 std::vector<LayerDifference> count_layers(std::span<const TileKey> keys,
                                           std::span<const TileDifference> differing) {
-  std::array<LayerDifference, 3> layers{{{Layer::heights}, {Layer::imagery}, {Layer::rqt}}};
-  const auto of = [&](Layer layer) -> LayerDifference& { return layers[static_cast<std::size_t>(layer)]; };
-  std::array<bool, 3> there{};
+  std::map<Layer, LayerDifference> layers;
   for (const TileKey& key : keys) {
-    there[static_cast<std::size_t>(key.layer)] = true;
-    of(key.layer).equal += key.presence == Presence::both;
-    of(key.layer).only_a += key.presence == Presence::only_a;
-    of(key.layer).only_b += key.presence == Presence::only_b;
+    LayerDifference& layer = layers[key.layer];
+    layer.layer = key.layer;
+    layer.equal += key.presence == Presence::both;
+    layer.only_a += key.presence == Presence::only_a;
+    layer.only_b += key.presence == Presence::only_b;
   }
   for (const TileDifference& tile : differing) {
     if (tile.presence != Presence::both) continue;
-    --of(tile.layer).equal;
-    ++of(tile.layer).differing;
+    --layers[tile.layer].equal;
+    ++layers[tile.layer].differing;
   }
   std::vector<LayerDifference> out;
-  for (std::size_t i = 0; i < layers.size(); ++i)
-    if (there[i]) out.push_back(layers[i]);
+  for (const auto& [name, layer] : layers) out.push_back(layer);
   return out;
 }
 

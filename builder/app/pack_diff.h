@@ -47,7 +47,7 @@ struct TileDifference {
   Presence presence = Presence::both;
   std::optional<HeightDifference> heights;  ///< of the heights layer, where a sample differs
   std::optional<TexelDifference> texels;    ///< of the imagery layer, where a texel differs
-  bool triangulations = false;              ///< of the rqt layer: whether the blocks differ
+  bool blocks_differ = false;               ///< of other layers, whose bytes are compared
   /// Geometric error and filled share, where they differ between two tiles that both packs have.
   std::vector<ValueDifference> values;
 };
