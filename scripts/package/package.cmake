@@ -21,6 +21,9 @@ if(TARGET cairn_gdal_driver)
 endif()
 
 # 2. Man pages and completions, made from what the programs print on --help.
+if(NOT Python3_EXECUTABLE AND EXISTS /usr/bin/python3)
+  set(Python3_EXECUTABLE /usr/bin/python3)  # for which the module is
+endif()
 find_package(Python3 COMPONENTS Interpreter)
 if(Python3_FOUND AND CAIRN_BUILDER AND CAIRN_VIEWER)
   set(pages ${CMAKE_BINARY_DIR}/pages)
@@ -81,7 +84,23 @@ write_basic_package_version_file(cairn-config-version.cmake COMPATIBILITY SameMi
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/cairn-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/cairn-config-version.cmake
         DESTINATION ${package_dir} COMPONENT development)
 
-# 5. The Debian package: `cpack -G DEB` in the build folder.
+# 5. The Python module: for Debian's Python, and, where it is asked for, as the wheel of builder/python/build_wheel.py.
+if(TARGET cairn_python)
+  set(CAIRN_PYTHON_DIR lib/python3/dist-packages CACHE STRING "Folder of the Python package under the prefix")
+  set(python_files __init__.py __init__.pyi py.typed)
+  list(TRANSFORM python_files PREPEND ${PROJECT_SOURCE_DIR}/builder/python/cairn/)
+  install(TARGETS cairn_python LIBRARY DESTINATION ${CAIRN_PYTHON_DIR}/cairn COMPONENT python)
+  install(FILES ${python_files} DESTINATION ${CAIRN_PYTHON_DIR}/cairn COMPONENT python)
+  install(TARGETS cairn_python LIBRARY DESTINATION cairn COMPONENT wheel EXCLUDE_FROM_ALL)
+  install(FILES ${python_files} DESTINATION cairn COMPONENT wheel EXCLUDE_FROM_ALL)
+  foreach(module cairn_gdal cairn_oiio cairn_proj)
+    if(TARGET ${module})
+      install(TARGETS ${module} LIBRARY DESTINATION cairn COMPONENT wheel EXCLUDE_FROM_ALL)
+    endif()
+  endforeach()
+endif()
+
+# 6. The Debian packages: `cpack -G DEB` in the build folder.
 set(CPACK_PACKAGE_NAME cairn)
 set(CPACK_PACKAGE_VENDOR cairn)
 set(CPACK_PACKAGE_CONTACT "the cairn developers <cairn@localhost>")
@@ -101,6 +120,18 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libcairn-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libglm-dev, libgeographiclib-dev, libzstd-dev, libxxhash-dev, pkg-config")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libtiff-dev, libpng-dev, libjpeg-dev, zlib1g-dev, libzip-dev, libfmt-dev, libtbb-dev")
+if(TARGET cairn_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-cairn)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(python_version "${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}")
+  math(EXPR python_after "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= ${python_version}), python3 (<< ${Python3_VERSION_MAJOR}.${python_after}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "cairn (= ${PROJECT_VERSION})")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python module: heights and imagery of packs as numpy arrays, and bakes.")
+endif()
 if(BUILD_SHARED_LIBS)
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", cairn (= ${PROJECT_VERSION})")
 endif()

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Runs the commands of docs/tutorial.md one after the other and compares what they print. In the page `...` stands for any
-text, at the end of a line or as a line of its own.
+"""Runs the commands of a page one after the other and compares what they print. In the page `...` stands for any text, at
+the end of a line or as a line of its own.
 
-usage: tests/cli/tutorial_test.py REPOSITORY PROGRAMS"""
+usage: tests/cli/tutorial_test.py REPOSITORY PROGRAMS [PAGE]
+  PAGE  of docs/ (tutorial.md)"""
 
 import os
 import pathlib
@@ -37,18 +38,19 @@ def pattern_of(lines: list[str]) -> str:
 
 def main():
     repository, programs = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
-    environment = dict(os.environ, PATH=f"{programs}:{os.environ['PATH']}")
+    environment = dict(os.environ, PATH=f"{programs}:/usr/bin:{os.environ['PATH']}")  # Debian's python3 first
+    name = sys.argv[3] if len(sys.argv) > 3 else "tutorial.md"
     done = 0
     with tempfile.TemporaryDirectory() as folder:
         os.symlink(repository / "sample-dem", f"{folder}/sample-dem")
-        for command, expected in steps((repository / "docs" / "tutorial.md").read_text()):
+        for command, expected in steps((repository / "docs" / name).read_text()):
             run = subprocess.run(["bash", "-ec", command], cwd=folder, env=environment, capture_output=True, text=True)
             if run.returncode or not re.fullmatch(pattern_of(expected), run.stdout):
-                sys.exit(f"docs/tutorial.md: $ {command}\nexpected exit code 0 and\n" + "\n".join(expected) +
+                sys.exit(f"docs/{name}: $ {command}\nexpected exit code 0 and\n" + "\n".join(expected) +
                          f"\nfound exit code {run.returncode} and\n{run.stdout}{run.stderr}")
             done += 1
     if done < 8:
-        sys.exit(f"docs/tutorial.md: expected 8 commands or more, found {done}")
+        sys.exit(f"docs/{name}: expected 8 commands or more, found {done}")
 
 
 if __name__ == "__main__":

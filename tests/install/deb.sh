@@ -29,16 +29,28 @@ done
 ! grep -q "/include/" <<<"$contents" || fail "cairn: expected no headers, found some"
 contents=$(dpkg-deb -c "$libraries")
 grep -q ' ./usr/include/cairn/terrain.h$' <<<"$contents" || fail "libcairn-dev: expected headers, found none"
+packages=("$programs" "$libraries")
+module=$(echo "$work"/python3-cairn_*.deb)
+if [ -f "$module" ]; then
+  packages+=("$module")
+  grep -q ' ./usr/lib/python3/dist-packages/cairn/_cairn' <<<"$(dpkg-deb -c "$module")" || fail "python3-cairn: expected the module, found none"
+fi
 
 # A tree with an empty dpkg database, so that the machine's own stays as it is.
 root=$work/root
 mkdir -p "$root/var/lib/dpkg/updates" "$root/var/lib/dpkg/info"
 touch "$root/var/lib/dpkg/status"
 in_root=(dpkg --root="$root" --force-not-root --force-depends --force-script-chrootless --log=/dev/null)
-"${in_root[@]}" -i "$programs" "$libraries" >"$work/log" 2>&1 || fail "install: $(cat "$work/log")"
+"${in_root[@]}" -i "${packages[@]}" >"$work/log" 2>&1 || fail "install: $(cat "$work/log")"
 "$root/usr/bin/cairn" bake "$source/sample-dem/jacksboro_fault.tif" -o "$work/sample.cairn" --threads 1 >/dev/null
 "$root/usr/bin/cairn" info "$work/sample.cairn" >/dev/null
 for verb in view stats lab; do "$root/usr/bin/cairn" $verb --help >/dev/null; done
-"${in_root[@]}" -P libcairn-dev cairn >"$work/log" 2>&1 || fail "remove: $(cat "$work/log")"
+if [ -f "$module" ]; then
+  PYTHONPATH=$root/usr/lib/python3/dist-packages /usr/bin/python3 -B -c \
+    "import sys, cairn; print(cairn.open(sys.argv[1]).heights(-84.2, 36.6).metres)" "$work/sample.cairn" >/dev/null
+fi
+names=()
+for package in "${packages[@]}"; do names+=("$(dpkg-deb -f "$package" Package)"); done
+"${in_root[@]}" -P "${names[@]}" >"$work/log" 2>&1 || fail "remove: $(cat "$work/log")"
 left=$(find "$root" -path "$root/var" -prune -o -type f -print)
 [ -z "$left" ] || fail "remove: expected nothing left, found $left"
