@@ -20,6 +20,8 @@
 namespace cairn {
 namespace {
 
+constexpr double kIndexBytesPerTile = 18;  // of a page: a checksum, and what else is coded small
+
 constexpr std::size_t kMostUnits = 8;    // that are baked on trial
 constexpr std::size_t kMostLeaves = 48;  // in them
 
@@ -67,7 +69,7 @@ void add_whole(const Trial& trial, const TileTree& tree, int threads, DryRun& dr
   if (trial.leaves == 0) return;
   const double share = static_cast<double>(tree.leaf_count()) / static_cast<double>(trial.leaves);
   const double bytes = static_cast<double>(trial.bytes) + static_cast<double>(trial.root_bytes) / 3;
-  const double entries = static_cast<double>(trial.tiles) * static_cast<double>(kIndexEntryBytes);
+  const double entries = static_cast<double>(trial.tiles) * kIndexBytesPerTile;
   dry.estimated_bytes += static_cast<std::uint64_t>((bytes + entries) * share);
   dry.estimated_seconds += trial.seconds * share / threads;
 }

@@ -43,12 +43,12 @@ Status check_error_bound(const ErrorStats& accuracy, const HeightPlan& plan) {
 
 // A layer without a post or a pixel would be flat ground at 0 m, or nothing at all.
 Status check_not_empty(const BakePlan& layers, const HeightSummary& heights,
-                       const std::vector<IndexEntry>& entries) {
+                       const std::vector<PackLevel>& levels) {
   if (layers.heights && heights.accuracy.count() == 0)
     return bad_data(layers.heights->pool().info(0).path.string() +
                     ": heights: expected a post with a value in the DEMs, found voids alone");
-  const bool textured = std::any_of(entries.begin(), entries.end(),
-                                    [](const IndexEntry& e) { return e.layer == Layer::imagery; });
+  const bool textured = std::any_of(levels.begin(), levels.end(),
+                                    [](const PackLevel& level) { return level.layer == Layer::imagery; });
   if (layers.imagery && !textured)
     return bad_data(layers.imagery->pool().info(0).path.string() +
                     ": image: expected a pixel that is not transparent in the images, found none");
@@ -139,7 +139,7 @@ Result<BuildReport> build_in_arena(const BuildOptions& options, int threads,
   if (auto status = bake_imagery(*layers, options, threads, *session, progress, report); !status)
     return end_failed_bake(*session, hashing, status.error());
 
-  if (auto status = check_not_empty(*layers, *heights, session->writer.entries()); !status)
+  if (auto status = check_not_empty(*layers, *heights, session->writer.levels()); !status)
     return end_failed_bake(*session, hashing, status.error());
 
   // 6. Triangulate the tiles of heights, if asked for: neighbours have to agree, so they are all needed
@@ -150,7 +150,9 @@ Result<BuildReport> build_in_arena(const BuildOptions& options, int threads,
   // 7. Write metadata, index and header; the target appears.
   const auto hashes = hashing.hashes();
   if (!hashes) return end_failed_bake(*session, hashing, hashes.error());
-  report.metadata_json = describe_pack(*layers, options, *heights, *hashes, session->writer.entries());
+  auto metadata = describe_pack(*layers, options, *heights, *hashes, session->writer);
+  if (!metadata) return end_failed_bake(*session, hashing, metadata.error());
+  report.metadata_json = std::move(*metadata);
   if (auto status = session->writer.finish(report.metadata_json); !status)
     return end_failed_bake(*session, hashing, status.error());
   remove_journal(options.session.target);

@@ -32,16 +32,13 @@ Json json_of(const ErrorStats& s) {
           {"worst", {{"lon", s.worst().lon}, {"lat", s.worst().lat}}}};
 }
 
-Json levels_of(const std::vector<IndexEntry>& entries) {
-  std::map<int, double> worst;
-  for (const IndexEntry& e : entries) {
-    if (e.layer != Layer::heights) continue;
-    double& error = worst[e.id.level];
-    error = std::max(error, static_cast<double>(e.geometric_error_m));
+Json levels_of(const std::vector<PackLevel>& levels) {
+  Json json = Json::array();
+  for (const PackLevel& level : levels) {
+    if (level.layer == Layer::heights)
+      json.push_back({{"level", level.level}, {"max_error_m", static_cast<double>(level.max_error_m)}});
   }
-  Json levels = Json::array();
-  for (const auto& [level, error] : worst) levels.push_back({{"level", level}, {"max_error_m", error}});
-  return levels;
+  return json;
 }
 
 Json source_of(const RasterInfo& info, std::uint64_t hash) {
@@ -96,17 +93,19 @@ Json sources_of(const Mosaic& mosaic, const HeightSummary& heights,
 }
 
 // A level's PSNR is that of the mean squared error of its tiles.
-Json imagery_levels_of(const std::vector<IndexEntry>& entries) {
+Result<Json> imagery_levels_of(const PackWriter& pack) {
   struct Level {
     std::uint64_t tiles = 0;
     double error = 0;
   };
   std::map<int, Level> levels;
-  for (const IndexEntry& e : entries) {
-    if (e.layer != Layer::imagery) continue;
+  const Status status = pack.visit_entries([&levels](const IndexEntry& e) -> Status {
+    if (e.layer != Layer::imagery) return {};
     ++levels[e.id.level].tiles;
     if (e.max_quanta < kNoTextureError) levels[e.id.level].error += std::pow(10, -e.max_quanta / 10'000.0);
-  }
+    return {};
+  });
+  if (!status) return status.error();
   Json json = Json::array();
   for (const auto& [number, level] : levels) {
     const double worst = std::pow(10, -kNoTextureError / 10'000.0);
@@ -119,7 +118,7 @@ Json imagery_levels_of(const std::vector<IndexEntry>& entries) {
 
 // `options` are the imagery's of to_json().
 Json imagery_of(const BakePlan& layers, const Json& options, const std::optional<GeoBounds>& region,
-                const std::vector<std::uint64_t>& hashes, const std::vector<IndexEntry>& entries) {
+                const std::vector<std::uint64_t>& hashes, const Json& levels) {
   const std::size_t first = layers.heights ? layers.heights->pool().size() : 0;
   const RasterPool& pool = layers.imagery->pool();
   Json sources = Json::array();
@@ -132,15 +131,15 @@ Json imagery_of(const BakePlan& layers, const Json& options, const std::optional
           {"top", layers.imagery_tree->top()},
           {"finest", layers.imagery->finest_level()},
           {"bounds", json_of(cut_to(region, layers.imagery->bounds()))},
-          {"levels", imagery_levels_of(entries)},
+          {"levels", levels},
           {"sources", sources}};
 }
 
 }  // namespace
 
-std::string describe_pack(const BakePlan& layers, const BuildOptions& options, const HeightSummary& heights,
-                          const std::vector<std::uint64_t>& input_hashes,
-                          const std::vector<IndexEntry>& entries) {
+Result<std::string> describe_pack(const BakePlan& layers, const BuildOptions& options,
+                                  const HeightSummary& heights,
+                                  const std::vector<std::uint64_t>& input_hashes, const PackWriter& pack) {
   const Json stated = to_json(options);
   Json meta;
   meta["cairn"] = CAIRN_VERSION;
@@ -156,10 +155,13 @@ std::string describe_pack(const BakePlan& layers, const BuildOptions& options, c
     meta["error_bound_m"] = layers.plan->error_bound_m();
     meta["accuracy"] = json_of(heights.accuracy);
   }
-  meta["levels"] = levels_of(entries);
+  meta["levels"] = levels_of(pack.levels());
   meta["sources"] = layers.heights ? sources_of(*layers.heights, heights, input_hashes) : Json::array();
-  if (layers.imagery)
-    meta["imagery"] = imagery_of(layers, stated["imagery"], options.grid.region, input_hashes, entries);
+  if (layers.imagery) {
+    const Result<Json> levels = imagery_levels_of(pack);
+    if (!levels) return levels.error();
+    meta["imagery"] = imagery_of(layers, stated["imagery"], options.grid.region, input_hashes, *levels);
+  }
   if (layers.plan && options.heights.rqt_tolerance_m)
     meta["rqt"] = {{"tolerance_m", *options.heights.rqt_tolerance_m}, {"triangulations", kRqtSteps}};
   meta["options"] = stated;

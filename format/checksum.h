@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -7,10 +8,13 @@
 
 namespace cairn {
 
-/// Returns XXH3 of 64 bits with seed 0: the checksum of a pack's blocks, index, metadata and header.
+/// XXH3, 64 bits, seed 0: the checksum of every block, page, the metadata and the header of a pack.
 std::uint64_t checksum(std::span<const std::byte> bytes);
 
-/// Computes checksum() of bytes that come in pieces.
+/// XXH3, 128 bits, seed 0: the low 64 bits, then the high ones, each little-endian.
+std::array<std::byte, 16> long_checksum(std::span<const std::byte> bytes);
+
+/// checksum() of bytes that come in pieces.
 class ChecksumStream {
  public:
   ChecksumStream();

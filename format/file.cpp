@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -58,6 +59,19 @@ Result<File> File::open_to_write(const std::filesystem::path& path) {
   if (::flock(*descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     return failed(path.string() + ": another process is writing it");
   }
+  return file;
+}
+
+// Not every file system has files without a name; elsewhere the name is taken away at once.
+Result<File> File::open_scratch(const std::filesystem::path& folder) {
+  const std::filesystem::path where = folder.empty() ? std::filesystem::path(".") : folder;
+  const int nameless = ::open(where.c_str(), O_RDWR | O_TMPFILE | O_CLOEXEC, 0600);
+  if (nameless >= 0) return File(nameless, where / "scratch file");
+  std::string name = (where / "cairn-scratch-XXXXXX").string();
+  const int named = ::mkostemp(name.data(), O_CLOEXEC);
+  if (named < 0) return os_error(name, "create");
+  File file(named, name);
+  if (::unlink(name.c_str()) != 0) return os_error(name, "unlink");
   return file;
 }
 

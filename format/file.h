@@ -21,6 +21,10 @@ class File {
   /// has it.
   static Result<File> open_to_write(const std::filesystem::path& path);
 
+  /// Opens a file of this process in the folder, for reading and writing, which has no name: its bytes are
+  /// freed when it is closed, however the process ends.
+  static Result<File> open_scratch(const std::filesystem::path& folder);
+
   File(File&& other) noexcept;
   File& operator=(File&& other) noexcept;
   ~File();

@@ -4,8 +4,10 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "format/bytes.h"
 #include "format/checksum.h"
@@ -13,12 +15,14 @@
 namespace cairn {
 namespace {
 
-constexpr std::size_t kHeaderReserved = 3;  // after the datum
-constexpr std::size_t kHeaderSpare = 16;    // before the checksum
+constexpr std::size_t kBodyNameBytes = 32;
+constexpr std::size_t kDatumNameBytes = 40;
+constexpr std::size_t kSpareBytes = 56;
+constexpr std::size_t kIdOffset = 224;
 constexpr std::size_t kHeaderChecksumOffset = kPackHeaderBytes - sizeof(std::uint64_t);
 
 Error field_error(const char* place, const std::string& expected, const std::string& found) {
-  return bad_data(std::string(place) + ": expected " + expected + ", found " + found);
+  return bad_data("header: " + std::string(place) + ": expected " + expected + ", found " + found);
 }
 
 template <class A, class B>
@@ -30,84 +34,84 @@ bool all_zero(std::span<const std::byte> bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](std::byte b) { return b == std::byte{0}; });
 }
 
+/// A text in a field of fixed size, which ends with one zero or more.
+void append_text(std::string_view text, std::size_t field_bytes, std::vector<std::byte>& out) {
+  assert(text.size() < field_bytes);
+  const std::size_t start = out.size();
+  out.resize(start + field_bytes);
+  std::transform(text.begin(), text.end(), out.begin() + static_cast<std::ptrdiff_t>(start),
+                 [](char c) { return static_cast<std::byte>(c); });
+}
+
+std::optional<std::string> text_of(std::span<const std::byte> field) {
+  const auto end = std::find(field.begin(), field.end(), std::byte{0});
+  const auto length = static_cast<std::size_t>(end - field.begin());
+  if (length == 0 || length == field.size() || !all_zero(field.subspan(length))) return std::nullopt;
+  return std::string(reinterpret_cast<const char*>(field.data()), length);
+}
+
 /// Magic and version come before the checksum: a newer version may keep its checksum elsewhere.
 Status check_identity(std::span<const std::byte> bytes) {
   if (bytes.size() < kPackHeaderBytes) {
-    return field_error("header", std::to_string(kPackHeaderBytes) + " bytes", std::to_string(bytes.size()));
+    return bad_data("header: expected " + std::to_string(kPackHeaderBytes) + " bytes, found " +
+                    std::to_string(bytes.size()));
   }
   if (!std::equal(kPackMagic.begin(), kPackMagic.end(), reinterpret_cast<const char*>(bytes.data()))) {
-    return field_error("header: magic", "a cairn pack's \\x89CAIRN\\r\\n", "other bytes");
+    return field_error("magic", "a cairn pack's \\x89CAIRN\\r\\n", "other bytes");
   }
   ByteReader in(bytes.subspan(kPackMagic.size()));
   if (const auto version = in.read<std::uint16_t>(); version != kPackVersion) {
-    return field_error("header: version", kPackVersion, version);
+    return field_error("version", kPackVersion, version);
   }
   ByteReader tail(bytes.subspan(kHeaderChecksumOffset));
   if (tail.read<std::uint64_t>() != checksum(bytes.first(kHeaderChecksumOffset))) {
-    return field_error("header: checksum", "that of its bytes", "another");
+    return field_error("checksum", "that of its bytes", "another");
   }
   return {};
 }
 
 Status check_sections(const PackHeader& h) {
   constexpr std::uint64_t kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
-  if (h.index_offset < kPackHeaderBytes || h.index_offset > kMost) {
-    return field_error("header: index offset", std::to_string(kPackHeaderBytes) + " or more",
+  if (h.index_offset < kPackStartBytes || h.index_offset > kMost) {
+    return field_error("index offset", std::to_string(kPackStartBytes) + " or more",
                        std::to_string(h.index_offset));
   }
-  if (h.index_count > (kMost - h.index_offset) / kIndexEntryBytes) {
-    return field_error("header: index count", "one that fits a file", std::to_string(h.index_count));
-  }
-  if (const auto end = h.index_offset + h.index_count * kIndexEntryBytes; h.metadata_offset != end) {
-    return field_error("header: metadata offset", end, h.metadata_offset);
+  if (h.metadata_offset < h.index_offset || h.metadata_offset > kMost) {
+    return field_error("metadata offset", std::to_string(h.index_offset) + " or more",
+                       std::to_string(h.metadata_offset));
   }
   if (h.metadata_bytes > kMost - h.metadata_offset) {
-    return field_error("header: metadata bytes", "a length that fits a file",
-                       std::to_string(h.metadata_bytes));
+    return field_error("metadata bytes", "a length that fits a file", std::to_string(h.metadata_bytes));
+  }
+  if (h.root_bytes > kPackStartBytes - kPackHeaderBytes) {
+    return field_error("root bytes", std::to_string(kPackStartBytes - kPackHeaderBytes) + " or fewer",
+                       std::to_string(h.root_bytes));
   }
   return {};
 }
 
-bool is_tile_size(int size) {
-  return size == 513 || size == 257;
+Status check_fields(const PackHeader& h) {
+  if (h.tile_size != 513 && h.tile_size != 257)
+    return field_error("tile size", "513 or 257", std::to_string(h.tile_size));
+  if (!std::isfinite(h.quantum_m) || h.quantum_m <= 0) {
+    return field_error("quantum", "a finite length above 0 m", std::to_string(h.quantum_m));
+  }
+  const Body& body = h.body;
+  if (!std::isfinite(body.semi_major_m) || !(body.semi_minor_m > 0) ||
+      body.semi_minor_m > body.semi_major_m) {
+    return field_error("semi-axes", "finite lengths, 0 < minor <= major",
+                       std::to_string(body.semi_major_m) + " and " + std::to_string(body.semi_minor_m));
+  }
+  return check_sections(h);
 }
 
-Status check_block_reference(const IndexEntry& e) {
-  const bool absent = e.offset == 0 && e.bytes == 0 && e.checksum == 0;
-  if ((e.flags & kConstant) != 0) {
-    return absent ? Status()
-                  : field_error("constant tile's block", "none", std::to_string(e.bytes) + " bytes");
+void set_datum(const std::string& name, PackHeader& header) {
+  for (const auto datum : {VerticalDatum::unknown, VerticalDatum::egm96, VerticalDatum::ellipsoid}) {
+    if (name != to_string(datum)) continue;
+    header.vertical_datum = datum;
+    return;
   }
-  if (e.bytes == 0) return field_error("block", "bytes, as the tile is not constant", "none");
-  if (e.offset < kPackHeaderBytes) return field_error("block offset", kPackHeaderBytes, e.offset);
-  return {};
-}
-
-Status check_flags(const IndexEntry& e) {
-  if ((e.flags & ~(kConstant | kHasVoids | kHasAlpha)) != 0) {
-    return field_error("flags", "bits 0 to 2", std::to_string(e.flags));
-  }
-  if ((e.flags & kHasVoids) != 0 && (e.layer != Layer::heights || (e.flags & kConstant) != 0)) {
-    return field_error("flags", "voids only in a height tile with a block", std::to_string(e.flags));
-  }
-  if ((e.flags & kHasAlpha) != 0 && e.layer != Layer::imagery) {
-    return field_error("flags", "alpha only in imagery", std::to_string(e.flags));
-  }
-  return {};
-}
-
-Status check_values(const IndexEntry& e) {
-  if (!std::isfinite(e.geometric_error_m) || e.geometric_error_m < 0) {
-    return field_error("geometric error", "a finite length, 0 m or more",
-                       std::to_string(e.geometric_error_m));
-  }
-  if (e.layer != Layer::heights) return {};
-  if (e.min_quanta > e.max_quanta)
-    return field_error("minimum", "at most the maximum", std::to_string(e.min_quanta));
-  if ((e.flags & kConstant) != 0 && e.min_quanta != e.max_quanta) {
-    return field_error("constant tile's maximum", e.min_quanta, e.max_quanta);
-  }
-  return {};
+  header.other_datum = name;
 }
 
 }  // namespace
@@ -131,9 +135,23 @@ const char* to_string(Layer layer) {
     case Layer::imagery:
       return "imagery";
     case Layer::rqt:
+      return "rqt";
+    case Layer::objects:
+      return "objects";
+    case Layer::water:
       break;
   }
-  return "rqt";
+  return "water";
+}
+
+std::string to_string(const PackId& id) {
+  constexpr char digits[] = "0123456789abcdef";
+  std::string text;
+  for (const std::byte b : id) {
+    text += digits[std::to_integer<unsigned>(b) >> 4];
+    text += digits[std::to_integer<unsigned>(b) & 15];
+  }
+  return text;
 }
 
 std::array<std::byte, kPackHeaderBytes> encode_header(const PackHeader& header) {
@@ -143,16 +161,24 @@ std::array<std::byte, kPackHeaderBytes> encode_header(const PackHeader& header) 
   out.append(std::as_bytes(std::span(kPackMagic)));
   out.write(header.version);
   out.write(header.tile_size);
-  out.write(static_cast<std::uint8_t>(header.vertical_datum));
-  bytes.resize(bytes.size() + kHeaderReserved);
+  out.write(std::uint32_t{0});
   out.write(header.quantum_m);
+  append_text(header.body.name, kBodyNameBytes, bytes);
+  out.write(header.body.semi_major_m);
+  out.write(header.body.semi_minor_m);
+  append_text(header.datum_name(), kDatumNameBytes, bytes);
+  out.write(header.entry_count);
   out.write(header.index_offset);
-  out.write(header.index_count);
-  out.write(header.index_checksum);
   out.write(header.metadata_offset);
   out.write(header.metadata_bytes);
   out.write(header.metadata_checksum);
-  bytes.resize(bytes.size() + kHeaderSpare);
+  out.write(header.root_bytes);
+  out.write(std::uint32_t{0});
+  out.write(header.root_checksum);
+  bytes.resize(bytes.size() + kSpareBytes);
+  assert(bytes.size() == kIdOffset);
+  out.append(long_checksum(bytes));
+  out.write(std::uint64_t{0});
   out.write(checksum(bytes));
   assert(bytes.size() == kPackHeaderBytes);
   std::array<std::byte, kPackHeaderBytes> result;
@@ -167,72 +193,35 @@ Result<PackHeader> decode_header(std::span<const std::byte> bytes) {
   PackHeader h;
   h.version = in.read<std::uint16_t>();
   h.tile_size = in.read<std::uint16_t>();
-  const auto datum = in.read<std::uint8_t>();
-  const auto reserved = in.take(kHeaderReserved);
+  const auto first_reserved = in.read<std::uint32_t>();
   h.quantum_m = in.read<double>();
+  const auto body_name = text_of(in.take(kBodyNameBytes));
+  h.body.semi_major_m = in.read<double>();
+  h.body.semi_minor_m = in.read<double>();
+  const auto datum = text_of(in.take(kDatumNameBytes));
+  h.entry_count = in.read<std::uint64_t>();
   h.index_offset = in.read<std::uint64_t>();
-  h.index_count = in.read<std::uint64_t>();
-  h.index_checksum = in.read<std::uint64_t>();
   h.metadata_offset = in.read<std::uint64_t>();
   h.metadata_bytes = in.read<std::uint64_t>();
   h.metadata_checksum = in.read<std::uint64_t>();
-  const auto spare = in.take(kHeaderSpare);
+  h.root_bytes = in.read<std::uint32_t>();
+  const auto second_reserved = in.read<std::uint32_t>();
+  h.root_checksum = in.read<std::uint64_t>();
+  const auto spare = in.take(kSpareBytes);
+  const auto id = in.take(h.id.size());
+  const auto last_reserved = in.read<std::uint64_t>();
   assert(in.ok() && in.remaining() == 0);
-  if (!is_tile_size(h.tile_size))
-    return field_error("header: tile size", "513 or 257", std::to_string(h.tile_size));
-  if (datum > 2) return field_error("header: vertical datum", "0 to 2", std::to_string(datum));
-  h.vertical_datum = static_cast<VerticalDatum>(datum);
-  if (!all_zero(reserved) || !all_zero(spare)) return field_error("header: reserved bytes", "0", "others");
-  if (!std::isfinite(h.quantum_m) || h.quantum_m <= 0) {
-    return field_error("header: quantum", "a finite length above 0 m", std::to_string(h.quantum_m));
-  }
-  if (const Status status = check_sections(h); !status) return status.error();
+  if (first_reserved != 0 || second_reserved != 0 || last_reserved != 0 || !all_zero(spare))
+    return field_error("reserved bytes", "0", "others");
+  if (!body_name) return field_error("body", "a name that ends with zeros", "none");
+  if (!datum) return field_error("vertical datum", "a name that ends with zeros", "none");
+  h.body.name = *body_name;
+  set_datum(*datum, h);
+  std::copy(id.begin(), id.end(), h.id.begin());
+  if (h.id != long_checksum(bytes.first(kIdOffset)))
+    return field_error("pack id", "that of the bytes before it", "another");
+  if (const Status status = check_fields(h); !status) return status.error();
   return h;
-}
-
-void append_entry(const IndexEntry& entry, std::vector<std::byte>& out) {
-  ByteWriter writer(out);
-  writer.write(static_cast<std::uint8_t>(entry.layer));
-  writer.write(static_cast<std::int8_t>(entry.id.level));
-  writer.write(entry.flags);
-  writer.write(entry.id.x);
-  writer.write(entry.id.y);
-  writer.write(entry.bytes);
-  writer.write(entry.offset);
-  writer.write(entry.checksum);
-  writer.write(entry.min_quanta);
-  writer.write(entry.max_quanta);
-  writer.write(entry.geometric_error_m);
-  writer.write(entry.filled);
-  writer.write(std::uint16_t{0});
-}
-
-Result<IndexEntry> decode_entry(std::span<const std::byte> bytes) {
-  assert(bytes.size() == kIndexEntryBytes);
-  ByteReader in(bytes);
-  IndexEntry e;
-  const auto layer = in.read<std::uint8_t>();
-  e.layer = static_cast<Layer>(layer);
-  e.id.level = in.read<std::int8_t>();
-  e.flags = in.read<std::uint16_t>();
-  e.id.x = in.read<std::int32_t>();
-  e.id.y = in.read<std::int32_t>();
-  e.bytes = in.read<std::uint32_t>();
-  e.offset = in.read<std::uint64_t>();
-  e.checksum = in.read<std::uint64_t>();
-  e.min_quanta = in.read<std::int32_t>();
-  e.max_quanta = in.read<std::int32_t>();
-  e.geometric_error_m = in.read<float>();
-  e.filled = in.read<std::uint16_t>();
-  const auto reserved = in.read<std::uint16_t>();
-  if (layer > static_cast<std::uint8_t>(Layer::rqt))
-    return field_error("layer", "0 to 2", std::to_string(layer));
-  if (!is_valid(e.id)) return field_error("tile", "one of the grid", to_string(e.id));
-  if (reserved != 0) return field_error("reserved bytes", 0, reserved);
-  for (const auto check : {check_flags, check_block_reference, check_values}) {
-    if (const Status status = check(e); !status) return status.error();
-  }
-  return e;
 }
 
 }  // namespace cairn

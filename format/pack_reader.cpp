@@ -3,127 +3,146 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <new>
+#include <mutex>
 
-#include "format/bytes.h"
-#include "format/checksum.h"
+#include "format/checked_read.h"
 #include "format/file.h"
 #include "format/height_block.h"
+#include "format/pack_index.h"
+#include "format/tile_number.h"
 
 namespace cairn {
 namespace {
 
-constexpr std::size_t kLayers = 3;
+constexpr std::uint64_t kMostReadAhead = std::uint64_t{4} << 20;
 
-/// The key of an entry in the index, without the rest of it.
-struct EntryKey {
-  Layer layer;
-  TileId id;
+class FileSource : public ByteSource {
+ public:
+  explicit FileSource(File file) : file_(std::move(file)) {}
+
+  const std::filesystem::path& name() const override { return file_.path(); }
+  Result<std::uint64_t> size() const override { return file_.size(); }
+  using ByteSource::read;
+  Status read(std::uint64_t offset, std::span<std::byte> out) const override {
+    return file_.read(offset, out);
+  }
+
+ private:
+  File file_;
 };
 
-EntryKey key_at(std::span<const std::byte> entry) {
-  ByteReader in(entry);
-  EntryKey key{};
-  key.layer = static_cast<Layer>(in.read<std::uint8_t>());
-  key.id.level = in.read<std::int8_t>();
-  in.read<std::uint16_t>();
-  key.id.x = in.read<std::int32_t>();
-  key.id.y = in.read<std::int32_t>();
-  return key;
+std::string name_of(const IndexEntry& entry) {
+  return std::string(to_string(entry.layer)) + " tile " + to_string(entry.id);
 }
 
-bool key_before(const EntryKey& a, const EntryKey& b) {
-  return a.layer != b.layer ? a.layer < b.layer : a.id < b.id;
-}
-
-Error in_file(const std::filesystem::path& path, const std::string& place, const Error& error) {
-  return {error.code, path.string() + ": " + (place.empty() ? "" : place + ": ") + error.message};
-}
-
-Result<PackHeader> read_header(const File& file) {
-  const Result<std::uint64_t> size = file.size();
-  if (!size) return size.error();
-  std::array<std::byte, kPackHeaderBytes> bytes{};
-  const std::size_t there = *size < bytes.size() ? static_cast<std::size_t>(*size) : bytes.size();
-  if (const Status status = file.read(0, std::span(bytes).first(there)); !status) return status.error();
-  Result<PackHeader> header = decode_header(std::span(bytes).first(there));
-  if (!header) return in_file(file.path(), "", header.error());
-  if (header->file_bytes() != *size) {
-    return bad_data(file.path().string() + ": file size: expected " + std::to_string(header->file_bytes()) +
-                    " bytes as the header says, found " + std::to_string(*size));
-  }
-  return header;
-}
-
-Status check_checksum(const File& file, const char* what, std::span<const std::byte> bytes,
-                      std::uint64_t expected) {
-  if (checksum(bytes) == expected) return {};
-  return bad_data(file.path().string() + ": " + what + ": checksum: expected the header's, found another");
-}
-
-/// REQUIRES: the file has these bytes.
-Result<std::vector<std::byte>> read_bytes(const File& file, std::uint64_t offset, std::uint64_t count) {
-  std::vector<std::byte> bytes;
-  try {
-    bytes.resize(count);
-  } catch (const std::bad_alloc&) {
-    return failed(file.path().string() + ": index: expected memory for " + std::to_string(count) +
-                  " bytes, found too little");
-  }
-  if (const Status status = file.read(offset, bytes); !status) return status.error();
-  return bytes;
+IndexEntry unreadable(Layer layer, const TileId& id) {
+  IndexEntry entry;
+  entry.layer = layer;
+  entry.id = id;
+  entry.flags = kUnreadable;
+  return entry;
 }
 
 }  // namespace
 
 struct PackReader::State {
-  File file;
+  std::unique_ptr<const ByteSource> source;
   PackHeader header;
-  std::vector<std::byte> tail;                            // index, then metadata
+  std::unique_ptr<PackIndex> index;
   std::array<std::optional<LevelRange>, kLayers> levels;  // by layer
 
-  std::span<const std::byte> index() const {
-    return std::span(tail).first(header.index_count * kIndexEntryBytes);
-  }
-  std::span<const std::byte> metadata() const { return std::span(tail).subspan(index().size()); }
-  std::span<const std::byte> entry_bytes(std::size_t i) const {
-    return index().subspan(i * kIndexEntryBytes, kIndexEntryBytes);
-  }
-  bool in_block_area(const IndexEntry& entry) const {
-    return entry.offset >= kPackHeaderBytes && entry.offset <= header.index_offset &&
-           entry.bytes <= header.index_offset - entry.offset;
-  }
-  Status validate_index();
-  void note_level(const IndexEntry& entry);
+  mutable std::mutex metadata_mutex;
+  mutable std::optional<std::string> metadata;  // guarded by metadata_mutex; kept once it is there
+
+  Result<std::array<std::byte, kPackStartBytes>> read_start() const;
+  Status open();
+  Status read_metadata() const;
+  bool in_block_area(const IndexEntry& entry) const;
+  Result<std::optional<PackIndex::Found>> look_up(Layer layer, const TileId& id) const;
+  Status check_readable(const IndexEntry& entry) const;
+  std::vector<ByteRange> siblings_of(const IndexEntry& entry) const;
 };
 
-void PackReader::State::note_level(const IndexEntry& entry) {
-  auto& range = levels[static_cast<std::size_t>(entry.layer)];
-  if (!range) range = LevelRange{entry.id.level, entry.id.level};
-  range->finest = entry.id.level;  // the index ascends by level
+// The header is read alone where the file is shorter than header and root, so that what is no pack is told
+// so.
+Result<std::array<std::byte, kPackStartBytes>> PackReader::State::read_start() const {
+  const Result<std::uint64_t> size = source->size();
+  if (!size) return size.error();
+  std::array<std::byte, kPackStartBytes> bytes{};
+  const auto there =
+      std::span(bytes).first(static_cast<std::size_t>(std::min<std::uint64_t>(*size, bytes.size())));
+  if (const Status status = source->read(0, there); !status) return status.error();
+  const Result<PackHeader> decoded = decode_header(there.first(std::min(there.size(), kPackHeaderBytes)));
+  if (!decoded) return in_file(*source, "", decoded.error());
+  if (decoded->file_bytes() != *size) {
+    return in_file(*source, "file size",
+                   bad_data("expected " + std::to_string(decoded->file_bytes()) +
+                            " bytes as the header says, found " + std::to_string(*size)));
+  }
+  return bytes;
 }
 
-Status PackReader::State::validate_index() {
-  std::optional<IndexEntry> previous;
-  for (std::size_t i = 0; i < header.index_count; ++i) {
-    const std::string place = "index entry " + std::to_string(i);
-    const Result<IndexEntry> entry = decode_entry(entry_bytes(i));
-    if (!entry) return in_file(file.path(), place, entry.error());
-    if (previous && !entry_before(*previous, *entry)) {
-      return in_file(
-          file.path(), place,
-          bad_data("expected a tile after " + to_string(previous->id) + ", found " + to_string(entry->id)));
-    }
-    if (entry->bytes != 0 && !in_block_area(*entry)) {
-      return in_file(
-          file.path(), place,
-          bad_data("expected a block before byte " + std::to_string(header.index_offset) + ", found " +
-                   std::to_string(entry->bytes) + " bytes at " + std::to_string(entry->offset)));
-    }
-    note_level(*entry);
-    previous = *entry;
+Status PackReader::State::open() {
+  const auto start = read_start();
+  if (!start) return start.error();
+  header = *decode_header(std::span(*start).first(kPackHeaderBytes));
+  auto opened = PackIndex::open(*source, header, std::span(*start).subspan(kPackHeaderBytes));
+  if (!opened) return opened.error();
+  index = std::move(*opened);
+  for (const PackLevel& level : index->levels()) {
+    auto& range = levels[static_cast<std::size_t>(level.layer)];
+    if (!range) range = LevelRange{level.level, level.level};
+    range->finest = level.level;  // the table ascends by level
   }
+  return source->is_slow() ? Status() : read_metadata();
+}
+
+Status PackReader::State::read_metadata() const {
+  const std::lock_guard lock(metadata_mutex);
+  if (metadata) return {};
+  const auto bytes = read_checked(
+      *source, {{header.metadata_offset, header.metadata_bytes}, header.metadata_checksum}, "metadata");
+  if (!bytes) return bytes.error();
+  metadata.emplace(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   return {};
+}
+
+bool PackReader::State::in_block_area(const IndexEntry& entry) const {
+  return entry.offset >= kPackStartBytes && entry.offset <= header.index_offset &&
+         entry.bytes <= header.index_offset - entry.offset;
+}
+
+Result<std::optional<PackIndex::Found>> PackReader::State::look_up(Layer layer, const TileId& id) const {
+  if (!is_valid(id)) return std::optional<PackIndex::Found>();
+  return index->find(key_of(layer, id));
+}
+
+// Why the entry's page could not be read. Where it can be read by now, the entry has still none of the tile's
+// figures: whoever has it must look the tile up again.
+Status PackReader::State::check_readable(const IndexEntry& entry) const {
+  if ((entry.flags & kUnreadable) == 0) return {};
+  const auto found = look_up(entry.layer, entry.id);
+  if (!found) return found.error();
+  return in_file(
+      *source, name_of(entry),
+      failed("expected an index that can be read, found one that could be read at another try only"));
+}
+
+// The blocks of the other children of the tile's parent: a reader that needs one needs the others soon.
+std::vector<ByteRange> PackReader::State::siblings_of(const IndexEntry& entry) const {
+  std::vector<ByteRange> ranges;
+  if (!source->is_slow() || entry.id.level == kMinLevel) return ranges;
+  std::uint64_t all = entry.bytes;
+  for (int quadrant = 0; quadrant < 4; ++quadrant) {
+    const TileId id = child_of(parent_of(entry.id), quadrant);
+    if (id == entry.id) continue;
+    const auto found = look_up(entry.layer, id);
+    if (!found || !*found || (*found)->entry->bytes == 0) continue;
+    all += (*found)->entry->bytes;
+    if (all > kMostReadAhead) break;
+    ranges.push_back({(*found)->entry->offset, (*found)->entry->bytes});
+  }
+  return ranges;
 }
 
 PackReader::PackReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -134,21 +153,18 @@ PackReader::~PackReader() = default;
 Result<PackReader> PackReader::open(const std::filesystem::path& path) {
   Result<File> file = File::open_to_read(path);
   if (!file) return file.error();
-  const Result<PackHeader> header = read_header(*file);
-  if (!header) return header.error();
-  Result<std::vector<std::byte>> tail =
-      read_bytes(*file, header->index_offset, header->file_bytes() - header->index_offset);
-  if (!tail) return tail.error();
-  std::unique_ptr<State> state(new State{std::move(*file), *header, std::move(*tail), {}});
-  Status status = check_checksum(state->file, "index", state->index(), header->index_checksum);
-  if (status) status = check_checksum(state->file, "metadata", state->metadata(), header->metadata_checksum);
-  if (status) status = state->validate_index();
-  if (!status) return status.error();
+  return open(std::make_unique<FileSource>(std::move(*file)));
+}
+
+Result<PackReader> PackReader::open(std::unique_ptr<const ByteSource> source) {
+  auto state = std::make_unique<State>();
+  state->source = std::move(source);
+  if (const Status status = state->open(); !status) return status.error();
   return PackReader(std::move(state));
 }
 
 const std::filesystem::path& PackReader::path() const {
-  return state_->file.path();
+  return state_->source->name();
 }
 
 const PackHeader& PackReader::header() const {
@@ -156,40 +172,43 @@ const PackHeader& PackReader::header() const {
 }
 
 std::string_view PackReader::metadata_json() const {
-  const auto bytes = state_->metadata();
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  if (!state_->read_metadata()) return {};
+  return *state_->metadata;
+}
+
+Status PackReader::read_metadata() const {
+  return state_->read_metadata();
 }
 
 std::size_t PackReader::entry_count() const {
-  return static_cast<std::size_t>(state_->header.index_count);
+  return static_cast<std::size_t>(state_->header.entry_count);
 }
 
 IndexEntry PackReader::entry(std::size_t index) const {
   assert(index < entry_count());
-  const Result<IndexEntry> entry = decode_entry(state_->entry_bytes(index));
-  return *entry;
+  const Result<const IndexEntry*> entry = state_->index->at(index);
+  if (entry) return **entry;
+  const auto tile = tile_of_key(state_->index->first_key_near(index))
+                        .value_or(LayerTile{Layer::heights, {kMinLevel, 0, 0}});
+  return unreadable(tile.layer, tile.id);
 }
 
-std::optional<std::size_t> PackReader::find_index(Layer layer, const TileId& id) const {
-  const EntryKey wanted{layer, id};
-  std::size_t first = 0;
-  std::size_t last = entry_count();
-  while (first < last) {
-    const std::size_t middle = first + (last - first) / 2;
-    if (key_before(key_at(state_->entry_bytes(middle)), wanted)) {
-      first = middle + 1;
-    } else {
-      last = middle;
-    }
-  }
-  if (first == entry_count() || key_before(wanted, key_at(state_->entry_bytes(first)))) return std::nullopt;
-  return first;
+Status PackReader::read_index(const std::function<void(const ByteRange&)>& visit) const {
+  return state_->index->read_all([&visit](const ByteRange& range) {
+    if (visit) visit(range);
+  });
 }
 
 std::optional<IndexEntry> PackReader::find(Layer layer, const TileId& id) const {
-  const std::optional<std::size_t> index = find_index(layer, id);
-  if (!index) return std::nullopt;
-  return entry(*index);
+  const auto found = state_->look_up(layer, id);
+  if (!found) return unreadable(layer, id);
+  return *found ? std::optional(*(*found)->entry) : std::nullopt;
+}
+
+std::optional<std::size_t> PackReader::find_index(Layer layer, const TileId& id) const {
+  const auto found = state_->look_up(layer, id);
+  if (!found) return std::size_t{0};
+  return *found ? std::optional((*found)->ordinal) : std::nullopt;
 }
 
 std::optional<IndexEntry> PackReader::find_nearest(Layer layer, const TileId& id) const {
@@ -205,19 +224,18 @@ std::optional<PackReader::LevelRange> PackReader::levels(Layer layer) const {
   return state_->levels[static_cast<std::size_t>(layer)];
 }
 
+std::span<const PackLevel> PackReader::level_table() const {
+  return state_->index->levels();
+}
+
 Result<std::vector<std::byte>> PackReader::read_block(const IndexEntry& entry) const {
-  std::vector<std::byte> block;
-  if (entry.bytes == 0) return block;
-  const std::string place = std::string(to_string(entry.layer)) + " tile " + to_string(entry.id);
-  if (!state_->in_block_area(entry)) {
-    return in_file(path(), place, bad_data("expected a block among the pack's, found one outside"));
-  }
-  block.resize(entry.bytes);
-  if (const Status status = state_->file.read(entry.offset, block); !status) return status.error();
-  if (checksum(block) != entry.checksum) {
-    return in_file(path(), place, bad_data("block: checksum: expected the index's, found another"));
-  }
-  return block;
+  if (const Status status = state_->check_readable(entry); !status) return status.error();
+  if (entry.bytes == 0) return std::vector<std::byte>();
+  const std::string place = name_of(entry);
+  if (!state_->in_block_area(entry))
+    return in_file(*state_->source, place, bad_data("expected a block among the pack's, found one outside"));
+  return read_checked(*state_->source, {{entry.offset, entry.bytes}, entry.checksum}, place + ": block",
+                      state_->siblings_of(entry));
 }
 
 Result<HeightTile> PackReader::read_height_tile(const IndexEntry& entry) const {
@@ -230,7 +248,7 @@ Result<HeightTile> PackReader::read_height_tile(const IndexEntry& entry) const {
   const Result<std::vector<std::byte>> block = read_block(entry);
   if (!block) return block.error();
   Result<HeightTile> tile = decode_height_block(*block, size);
-  if (!tile) return in_file(path(), "heights tile " + to_string(entry.id), tile.error());
+  if (!tile) return in_file(*state_->source, name_of(entry), tile.error());
   return tile;
 }
 

@@ -1,12 +1,15 @@
 #include "format/pack_rules.h"
 
 #include <algorithm>
+#include <compare>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
-#include "format/height_block.h"
 #include "cairn/texture_tile.h"
+#include "format/height_block.h"
+#include "format/index_entry.h"
 
 namespace cairn {
 namespace {
@@ -137,6 +140,23 @@ void report_corner(const IndexEntry& tile, const TileId& neighbour, const char* 
                                          sample_text(other) + " there"});
 }
 
+/// Each byte of [start, end) is in one of the ranges, which ascend.
+void check_each_byte_once(const char* where, const std::string& part, std::span<const ByteRange> ranges,
+                          std::uint64_t start, std::uint64_t end, std::vector<Finding>& findings) {
+  std::uint64_t at = start;
+  const auto compare = [&](std::uint64_t offset) {
+    if (offset == at) return;
+    findings.push_back(
+        {where, expected("byte " + std::to_string(std::min(at, offset)), "each byte in one " + part,
+                         offset > at ? "bytes in none" : part + "s that overlap")});
+  };
+  for (const ByteRange& range : ranges) {
+    compare(range.offset);
+    at = std::max(at, range.offset + range.bytes);
+  }
+  compare(end);
+}
+
 }  // namespace
 
 void check_metadata(const PackReader& pack, std::vector<Finding>& findings) {
@@ -152,23 +172,56 @@ void check_metadata(const PackReader& pack, std::vector<Finding>& findings) {
   }
 }
 
+void check_pages(const PackReader& pack, std::vector<ByteRange> pages, std::vector<Finding>& findings) {
+  std::sort(pages.begin(), pages.end(),
+            [](const ByteRange& a, const ByteRange& b) { return a.offset < b.offset; });
+  check_each_byte_once("index", "page", pages, pack.header().index_offset, pack.header().metadata_offset,
+                       findings);
+}
+
 void check_coverage(const PackReader& pack, std::vector<Finding>& findings) {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> blocks;
+  struct Block {
+    std::uint64_t offset;
+    std::uint64_t bytes;
+    bool is_shared;
+    auto operator<=>(const Block&) const = default;
+  };
+  std::vector<Block> blocks;
   for (std::size_t i = 0; i < pack.entry_count(); ++i) {
     const IndexEntry entry = pack.entry(i);
-    if (entry.bytes != 0) blocks.emplace_back(entry.offset, entry.bytes);
+    if (entry.bytes != 0) blocks.push_back({entry.offset, entry.bytes, (entry.flags & kSharedBlock) != 0});
   }
   std::sort(blocks.begin(), blocks.end());
-  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-  blocks.emplace_back(pack.header().index_offset, 0);
-  std::uint64_t end = kPackHeaderBytes;
-  for (const auto& [offset, bytes] : blocks) {
-    if (offset != end) {
-      findings.push_back(
-          {"blocks", expected("byte " + std::to_string(std::min(end, offset)), "each byte in one block",
-                              offset > end ? "bytes in none" : "blocks that overlap")});
+  std::vector<ByteRange> once;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const bool is_first =
+        i == 0 || blocks[i].offset != blocks[i - 1].offset || blocks[i].bytes != blocks[i - 1].bytes;
+    if (is_first) once.push_back({blocks[i].offset, blocks[i].bytes});
+    if (is_first == blocks[i].is_shared) {
+      findings.push_back({"blocks", expected("block at byte " + std::to_string(blocks[i].offset),
+                                             "one tile that does not share it", is_first ? "none" : "two")});
     }
-    end = std::max(end, offset + bytes);
+  }
+  check_each_byte_once("blocks", "block", once, kPackStartBytes, pack.header().index_offset, findings);
+}
+
+void check_level_table(const PackReader& pack, std::vector<Finding>& findings) {
+  std::vector<PackLevel> levels;
+  for (std::size_t i = 0; i < pack.entry_count(); ++i) {
+    const IndexEntry entry = pack.entry(i);
+    if (levels.empty() || levels.back().layer != entry.layer || levels.back().level != entry.id.level)
+      levels.push_back({entry.layer, entry.id.level});
+    add_to_level(entry, levels.back());
+  }
+  const std::span<const PackLevel> stated = pack.level_table();
+  for (std::size_t i = 0; i < std::max(levels.size(), stated.size()); ++i) {
+    const bool agree = i < levels.size() && i < stated.size() && levels[i] == stated[i];
+    if (agree) continue;
+    const PackLevel& level = i < stated.size() ? stated[i] : levels[i];
+    findings.push_back({"root", "expected the sums of the entries for " +
+                                    std::string(to_string(level.layer)) + " level " +
+                                    std::to_string(level.level) + ", found others"});
+    return;
   }
 }
 

@@ -18,8 +18,15 @@ using Digests = std::vector<std::optional<TileDigest>>;
 /// Rule: the metadata exists and is UTF-8.
 void check_metadata(const PackReader& pack, std::vector<Finding>& findings);
 
-/// Rule: from the header to the index each byte belongs to one block, which several entries may share.
+/// Rule: each byte between the blocks and the metadata is in one page of the index.
+void check_pages(const PackReader& pack, std::vector<ByteRange> pages, std::vector<Finding>& findings);
+
+/// Rule: each byte between root and index is in one block. Of the entries that share a block, one is its
+/// first.
 void check_coverage(const PackReader& pack, std::vector<Finding>& findings);
+
+/// Rule: the root's sums over each level are those of the entries.
+void check_level_table(const PackReader& pack, std::vector<Finding>& findings);
 
 /// Rule: the entry's block has its checksum and decodes; minimum, maximum, constant and void flags agree with
 /// the samples; the overhang is void. Returns a height tile's digest.

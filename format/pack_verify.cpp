@@ -65,6 +65,25 @@ void check_entries(Verification& v, Rule rule, int threads, std::vector<Finding>
   for (auto& [index, finding] : all) findings.push_back(std::move(finding));
 }
 
+std::string without_name(const std::filesystem::path& path, const Error& error) {
+  const std::string prefix = path.string() + ": ";
+  return error.message.starts_with(prefix) ? error.message.substr(prefix.size()) : error.message;
+}
+
+/// Whether every page of the index could be read.
+Result<bool> check_index(const PackReader& pack, std::vector<Finding>& findings) {
+  std::vector<ByteRange> pages;
+  const Status read = pack.read_index([&pages](const ByteRange& range) { pages.push_back(range); });
+  if (!read && read.error().code != ErrorCode::bad_data) return read.error();
+  if (!read) {
+    findings.push_back({"index", without_name(pack.path(), read.error())});
+    return false;
+  }
+  check_pages(pack, std::move(pages), findings);
+  check_level_table(pack, findings);
+  return true;
+}
+
 }  // namespace
 
 Result<VerifyReport> verify_pack(const std::filesystem::path& path, const VerifyOptions& options) {
@@ -73,13 +92,13 @@ Result<VerifyReport> verify_pack(const std::filesystem::path& path, const Verify
   const Result<PackReader> pack = PackReader::open(path);
   if (!pack && pack.error().code != ErrorCode::bad_data) return pack.error();
   if (!pack) {
-    const std::string prefix = path.string() + ": ";
-    const std::string& message = pack.error().message;
-    report.findings.push_back(
-        {"file", message.starts_with(prefix) ? message.substr(prefix.size()) : message});
+    report.findings.push_back({"file", without_name(path, pack.error())});
     return report;
   }
   check_metadata(*pack, report.findings);
+  const Result<bool> has_index = check_index(*pack, report.findings);
+  if (!has_index) return has_index.error();
+  if (!*has_index) return report;
   check_coverage(*pack, report.findings);
   Verification v{*pack, options.most_findings, {}, 0, report.findings.size()};
   v.digests.resize(pack->entry_count());

@@ -146,6 +146,9 @@ int run_diff(const DiffOptions& options) {
   const Result<PackReader> a = PackReader::open(options.a), b = PackReader::open(options.b);
   if (!a) return trouble(a.error());
   if (!b) return trouble(b.error());
+  for (const PackReader* pack : {&*a, &*b}) {
+    if (const Status status = pack->read_index(); !status) return trouble(status.error());
+  }
   Result<PackDifference> difference = [&] {
     BakeProgress progress;
     return diff_packs(*a, *b, [&](std::uint64_t done, std::uint64_t total) {

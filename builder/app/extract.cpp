@@ -23,6 +23,7 @@
 #include "builder/export/height_image.h"
 #include "builder/export/texture_file.h"
 #include "cairn/pack_reader.h"
+#include "cairn/remote_pack.h"
 
 namespace cairn {
 namespace {
@@ -185,8 +186,9 @@ Status extract_region(const PackReader& pack, const GeoBounds& region, const Ext
 
 Status extract(const ExtractOptions& options) {
   if (auto status = check_words(options); !status) return status;
-  const Result<PackReader> pack = PackReader::open(options.pack);
+  const Result<PackReader> pack = open_pack(options.pack);
   if (!pack) return pack.error();
+  if (auto status = pack->read_index(); !status) return status;
   if (auto status = check_export_target(options.output, *pack); !status) return status;
   if (options.tile.empty()) {
     const auto region = region_of(options.region);
@@ -203,7 +205,7 @@ void add_extract(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ExtractOptions>();
   CLI::App* verb = app.add_subcommand(
       "extract", "Write one tile, or the heights of a region, as a file that other programs read");
-  verb->add_option("PACK", options->pack, "The pack")->required();
+  verb->add_option("PACK", options->pack, "The pack, or its http:// or https:// address")->required();
   verb->add_option("TILE", options->tile, "L/X/Y");
   verb->add_option("-o,--output", options->output,
                    "FILE.tif (GeoTIFF), FILE.png (16 bits, metres + 32768, void 0) or, of a cell of 1 "

@@ -20,6 +20,7 @@
 #include "builder/app/verbs.h"
 #include "builder/export/hillshade_shading.h"
 #include "builder/export/picture_writer.h"
+#include "cairn/remote_pack.h"
 
 namespace cairn {
 namespace {
@@ -197,8 +198,9 @@ Status draw(const PackReader& pack, const Plan& plan, const HillshadeOptions& op
 int run_hillshade(const HillshadeOptions& options) {
   if (!is_picture_name(options.output))
     return report_error(usage_error(options.output + ": expected a name that ends in .tif, .png or .jpg"));
-  const Result<PackReader> pack = PackReader::open(options.pack);
+  const Result<PackReader> pack = open_pack(options.pack);
   if (!pack) return report_error(pack.error());
+  if (const Status status = pack->read_index(); !status) return report_error(status.error());
   const Result<Plan> plan = make_plan(options, *pack);
   if (!plan) return report_error(plan.error());
   if (const Status status = check_export_target(options.output, *pack); !status)
@@ -225,7 +227,7 @@ int run_hillshade(const HillshadeOptions& options) {
 void add_hillshade(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<HillshadeOptions>();
   CLI::App* verb = app.add_subcommand("hillshade", "Draw a shaded relief as a georeferenced picture");
-  verb->add_option("PACK", options->pack, "The pack")->required();
+  verb->add_option("PACK", options->pack, "The pack, or its http:// or https:// address")->required();
   verb->add_option(
           "-o,--output", options->output,
           "FILE.tif (GeoTIFF), FILE.png or FILE.jpg (each with a world file); replaced where it exists")

@@ -9,6 +9,7 @@
 #include "builder/app/pack_metadata.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
+#include "cairn/remote_pack.h"
 
 namespace cairn {
 namespace {
@@ -88,9 +89,13 @@ void print_text(const PackReader& pack, const Json& info) {
   const PackHeader& header = pack.header();
   const Json& b = info["bounds"];
   fmt::print("{}\n", pack.path().string());
-  fmt::print("format         {}, {} bytes\n", header.version, header.file_bytes());
+  fmt::print("format         {}, {} bytes, id {}\n", header.version, header.file_bytes(),
+             to_string(header.id));
   fmt::print("tiles          {0}x{0} samples in steps of {1} m, vertical datum {2}\n", header.tile_size,
-             header.quantum_m, to_string(header.vertical_datum));
+             header.quantum_m, header.datum_name());
+  if (header.body != Body())
+    fmt::print("body           {}, semi-axes {} m and {} m\n", header.body.name, header.body.semi_major_m,
+               header.body.semi_minor_m);
   fmt::print("bounds         west {} south {} east {} north {}\n", number(b, "west"), number(b, "south"),
              number(b, "east"), number(b, "north"));
   if (!info["levels"].empty()) {
@@ -106,10 +111,13 @@ void print_text(const PackReader& pack, const Json& info) {
 }
 
 int run_info(const InfoOptions& options) {
-  const Result<PackReader> pack = PackReader::open(options.pack);
+  const Result<PackReader> pack = open_pack(options.pack);
   if (!pack) return report_error(pack.error());
   const Result<nlohmann::json> metadata = parse_metadata(*pack);
   if (!metadata) return report_error(metadata.error());
+  if (pack->levels(Layer::rqt)) {
+    if (const Status status = pack->read_index(); !status) return report_error(status.error());
+  }
   const Json info = describe_pack_file(*pack, *metadata);
   if (options.json) {
     fmt::print("{}\n", info.dump(2));
@@ -124,7 +132,7 @@ int run_info(const InfoOptions& options) {
 void add_info(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* verb = app.add_subcommand("info", "Say what a pack holds: grid, levels, accuracy, sources");
-  verb->add_option("PACK", options->pack, "The pack")->required();
+  verb->add_option("PACK", options->pack, "The pack, or its http:// or https:// address")->required();
   verb->add_flag("--json", options->json, "Print JSON");
   verb->callback([options, &exit_code] { exit_code = run_info(*options); });
 }

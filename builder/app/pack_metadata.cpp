@@ -69,6 +69,7 @@ Json rqt_json(const PackReader& pack) {
 }  // namespace
 
 Result<nlohmann::json> parse_metadata(const PackReader& pack) {
+  if (const Status status = pack.read_metadata(); !status) return status.error();
   nlohmann::json metadata = nlohmann::json::parse(pack.metadata_json(), nullptr, false);
   if (metadata.is_object()) return metadata;
   return bad_data(pack.path().string() + ": metadata: expected a JSON object, found " +
@@ -77,19 +78,10 @@ Result<nlohmann::json> parse_metadata(const PackReader& pack) {
 
 std::vector<LevelSummary> summarise_levels(const PackReader& pack, Layer layer) {
   std::vector<LevelSummary> levels;
-  std::unordered_set<std::uint64_t> seen;  // offsets of the level's blocks
-  for (std::size_t i = 0; i < pack.entry_count(); ++i) {
-    const IndexEntry entry = pack.entry(i);
-    if (entry.layer != layer) continue;
-    if (levels.empty() || levels.back().level != entry.id.level) {
-      levels.push_back({entry.id.level});
-      seen.clear();
-    }
-    LevelSummary& level = levels.back();
-    ++level.tiles;
-    if ((entry.flags & kConstant) != 0) ++level.constant_tiles;
-    if (entry.bytes != 0 && seen.insert(entry.offset).second) level.bytes += entry.bytes;
-    level.max_error_m = std::max(level.max_error_m, static_cast<double>(entry.geometric_error_m));
+  for (const PackLevel& level : pack.level_table()) {
+    if (level.layer != layer) continue;
+    levels.push_back({level.level, level.tiles, level.constant_tiles, level.block_bytes,
+                      static_cast<double>(level.max_error_m)});
   }
   return levels;
 }
@@ -101,9 +93,13 @@ nlohmann::ordered_json describe_pack_file(const PackReader& pack, const nlohmann
   const PackHeader& header = pack.header();
   Json info;
   info["format_version"] = header.version;
+  info["id"] = to_string(header.id);
   info["tile_size"] = header.tile_size;
   info["quantum_m"] = header.quantum_m;
-  info["vertical_datum"] = to_string(header.vertical_datum);
+  info["body"] = {{"name", header.body.name},
+                  {"semi_major_m", header.body.semi_major_m},
+                  {"semi_minor_m", header.body.semi_minor_m}};
+  info["vertical_datum"] = header.datum_name();
   info["bounds"] = of("bounds");
   info["error_bound_m"] = of("error_bound_m");
   info["file_bytes"] = header.file_bytes();

@@ -15,6 +15,7 @@
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
 #include "cairn/pack_sampler.h"
+#include "cairn/remote_pack.h"
 
 namespace cairn {
 namespace {
@@ -145,7 +146,7 @@ int run_sample(const SampleOptions& options) {
   if (options.points.empty() == !options.lat.has_value()) {
     return report_error(usage_error("sample: expected LON LAT or --points FILE.csv, and not both"));
   }
-  const Result<PackReader> pack = PackReader::open(options.pack);
+  const Result<PackReader> pack = open_pack(options.pack);
   if (!pack) return report_error(pack.error());
   if (options.lat) return sample_place(*pack, options);
   if (options.points == "-") return sample_points(*pack, std::cin, options);
@@ -159,7 +160,7 @@ int run_sample(const SampleOptions& options) {
 void add_sample(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<SampleOptions>();
   CLI::App* verb = app.add_subcommand("sample", "Print heights at places, in metres");
-  verb->add_option("PACK", options->pack, "The pack")->required();
+  verb->add_option("PACK", options->pack, "The pack, or its http:// or https:// address")->required();
   CLI::Option* lon = verb->add_option("LON", options->lon, "Degrees east");
   CLI::Option* lat = verb->add_option("LAT", options->lat, "Degrees north");
   lon->needs(lat);

@@ -18,18 +18,16 @@ bool block_is_whole(const File& part, std::uint64_t part_bytes, const IndexEntry
 }
 
 // The units, from the first on, whose blocks are all in the unfinished pack.
-std::vector<UnitRecord> whole_units(const std::filesystem::path& part_path, std::vector<UnitRecord> records) {
-  const auto part = File::open_to_read(part_path);
+std::vector<RecordPlace> whole_units(const std::filesystem::path& target, std::uint64_t fingerprint) {
+  const auto part = File::open_to_read(std::filesystem::path(target).concat(".part"));
   if (!part) return {};
   const auto size = part->size();
   if (!size) return {};
   std::vector<std::byte> buffer;
-  const auto damaged = std::find_if(records.begin(), records.end(), [&](const UnitRecord& record) {
-    return !std::all_of(record.entries.begin(), record.entries.end(),
-                        [&](const IndexEntry& e) { return block_is_whole(*part, *size, e, buffer); });
+  return Journal::find_records(target, fingerprint, [&](const UnitRecord& record) {
+    return std::all_of(record.entries.begin(), record.entries.end(),
+                       [&](const IndexEntry& e) { return block_is_whole(*part, *size, e, buffer); });
   });
-  records.erase(damaged, records.end());
-  return records;
 }
 
 Result<BakeSession> begin(const SessionOptions& options, BakeIdentity&& identity, const PackHeader& header) {
@@ -45,14 +43,20 @@ Result<BakeSession> begin(const SessionOptions& options, BakeIdentity&& identity
 }
 
 Result<BakeSession> resume(const SessionOptions& options, BakeIdentity&& identity, const PackHeader& header,
-                           std::vector<UnitRecord> done) {
-  std::vector<IndexEntry> entries;
-  for (const UnitRecord& record : done)
-    entries.insert(entries.end(), record.entries.begin(), record.entries.end());
-  auto writer = PackWriter::reopen(options.target, header, entries);
-  if (!writer) return writer.error();
+                           std::vector<RecordPlace> done) {
   auto journal = Journal::reopen(options.target, done);
   if (!journal) return journal.error();
+  auto writer = PackWriter::reopen(options.target, header, [&](const PackWriter::TakeEntry& take) -> Status {
+    for (const RecordPlace& place : done) {
+      const auto record = journal->read(place);
+      if (!record) return record.error();
+      for (const IndexEntry& entry : record->entries) {
+        if (Status status = take(entry); !status) return status;
+      }
+    }
+    return {};
+  });
+  if (!writer) return writer.error();
   return BakeSession{
       options, std::move(identity), std::move(*writer), std::move(*journal), std::move(done), std::nullopt,
       true};
@@ -71,8 +75,7 @@ Result<BakeSession> begin_session(const SessionOptions& options, BakeIdentity id
   const auto found = Journal::fingerprint_of(options.target);
   if (found && *found != own && !options.force)
     return usage_error(Journal::path_for(options.target).string() + std::string(kOtherWork));
-  std::vector<UnitRecord> done =
-      whole_units(std::filesystem::path(options.target).concat(".part"), Journal::read(options.target, own));
+  std::vector<RecordPlace> done = whole_units(options.target, own);
   auto session = done.empty() ? begin(options, std::move(identity), header)
                               : resume(options, std::move(identity), header, std::move(done));
   if (session) session->input_hashes = *hashes;

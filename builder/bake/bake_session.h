@@ -31,7 +31,7 @@ struct BakeSession {
   BakeIdentity identity;
   PackWriter writer;
   Journal journal;
-  std::vector<UnitRecord> done;
+  std::vector<RecordPlace> done;  ///< in the journal: the units that need not be baked again
   std::optional<std::vector<std::uint64_t>> input_hashes;  ///< where the journal of another try needed them
   bool resumed = false;
 };

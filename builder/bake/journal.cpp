@@ -5,6 +5,7 @@
 
 #include "format/bytes.h"
 #include "format/checksum.h"
+#include "format/index_entry.h"
 
 namespace cairn {
 namespace {
@@ -12,32 +13,63 @@ namespace {
 constexpr std::size_t kHeaderBytes = Journal::kMagic.size() + sizeof(std::uint64_t);
 constexpr std::size_t kRecordHeaderBytes = 2 * sizeof(std::uint64_t);
 
-std::vector<std::byte> encode(const std::vector<IndexEntry>& entries) {
+// A tile that is not in the pack yet has no place there. A record of it has the first one that a block can
+// have, since entries without a place are refused.
+IndexEntry with_place(const TileBlock& tile) {
+  IndexEntry entry = tile.entry;
+  if (!tile.block.empty()) entry.offset = kPackStartBytes;
+  entry.bytes = static_cast<std::uint32_t>(tile.block.size());
+  return entry;
+}
+
+// All of a record but its root.
+std::vector<std::byte> encode(const UnitRecord& record) {
   std::vector<std::byte> bytes;
-  bytes.reserve(sizeof(std::uint32_t) + entries.size() * kIndexEntryBytes);
+  bytes.reserve(2 * sizeof(std::uint32_t) + (record.entries.size() + 1) * kEntryRecordBytes);
   ByteWriter writer(bytes);
-  writer.write(static_cast<std::uint32_t>(entries.size()));
-  for (const IndexEntry& entry : entries) append_entry(entry, bytes);
+  writer.write(static_cast<std::uint32_t>(record.entries.size()));
+  for (const IndexEntry& entry : record.entries) append_entry(entry, bytes);
+  writer.write(static_cast<std::uint32_t>(record.held ? 1 : 0));
+  if (record.held) {
+    append_entry(with_place(*record.held), bytes);
+    writer.append(record.held->block);
+  }
   return bytes;
+}
+
+Result<IndexEntry> take_entry(ByteReader& reader) {
+  const auto bytes = reader.take(kEntryRecordBytes);
+  if (!reader.ok()) return bad_data("journal: an entry: expected more bytes");
+  return decode_entry(bytes);
 }
 
 Result<UnitRecord> decode(std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
   UnitRecord record;
   for (auto n = reader.read<std::uint32_t>(); n > 0; --n) {
-    const auto entry_bytes = reader.take(kIndexEntryBytes);
-    if (!reader.ok()) return bad_data("journal: an entry: expected more bytes");
-    auto entry = decode_entry(entry_bytes);
+    const auto entry = take_entry(reader);
     if (!entry) return entry.error();
     record.entries.push_back(*entry);
   }
+  if (reader.read<std::uint32_t>() != 0) {
+    const auto entry = take_entry(reader);
+    if (!entry) return entry.error();
+    const auto block = reader.take(entry->bytes);
+    record.held = TileBlock{*entry, {block.begin(), block.end()}};
+  }
+  if (!reader.ok()) return bad_data("journal: a record: expected more bytes");
   const auto root = reader.take(reader.remaining());
   record.root.assign(root.begin(), root.end());
   return record;
 }
 
+struct PlacedRecord {
+  UnitRecord record;
+  RecordPlace place;
+};
+
 // The record that starts at `at`; nullopt where it is not whole.
-std::optional<UnitRecord> read_record(const File& file, std::uint64_t size, std::uint64_t at) {
+std::optional<PlacedRecord> read_record(const File& file, std::uint64_t size, std::uint64_t at) {
   std::array<std::byte, kRecordHeaderBytes> header{};
   if (size - at < kRecordHeaderBytes || !file.read(at, header)) return std::nullopt;
   ByteReader lengths(header);
@@ -49,9 +81,7 @@ std::optional<UnitRecord> read_record(const File& file, std::uint64_t size, std:
   if (!file.read(body, bytes) || checksum(bytes) != sum) return std::nullopt;
   auto record = decode(bytes);
   if (!record) return std::nullopt;
-  record->start = at;
-  record->end = body + length;
-  return std::move(*record);
+  return PlacedRecord{std::move(*record), {at, body + length}};
 }
 
 }  // namespace
@@ -77,7 +107,8 @@ Status Journal::identify(std::uint64_t fingerprint) {
   return file_.write(0, header);
 }
 
-Result<Journal> Journal::reopen(const std::filesystem::path& target, const std::vector<UnitRecord>& records) {
+Result<Journal> Journal::reopen(const std::filesystem::path& target,
+                                const std::vector<RecordPlace>& records) {
   assert(!records.empty());
   auto file = File::open_to_write(path_for(target));
   if (!file) return file.error();
@@ -98,24 +129,24 @@ std::optional<std::uint64_t> Journal::fingerprint_of(const std::filesystem::path
   return reader.read<std::uint64_t>();
 }
 
-std::vector<UnitRecord> Journal::read(const std::filesystem::path& target, std::uint64_t fingerprint) {
-  std::vector<UnitRecord> records;
-  if (fingerprint_of(target) != fingerprint) return records;
+std::vector<RecordPlace> Journal::find_records(const std::filesystem::path& target, std::uint64_t fingerprint,
+                                               const std::function<bool(const UnitRecord&)>& is_good) {
+  std::vector<RecordPlace> places;
+  if (fingerprint_of(target) != fingerprint) return places;
   const auto file = File::open_to_read(path_for(target));
-  if (!file) return records;
+  if (!file) return places;
   const std::uint64_t size = file->size().ok() ? *file->size() : 0;
-  for (auto record = read_record(*file, size, kHeaderBytes); record;
-       record = read_record(*file, size, records.back().end)) {
-    record->root = {};
-    records.push_back(std::move(*record));
+  for (auto found = read_record(*file, size, kHeaderBytes); found && is_good(found->record);
+       found = read_record(*file, size, places.back().end)) {
+    places.push_back(found->place);
   }
-  return records;
+  return places;
 }
 
-Result<std::vector<std::byte>> Journal::read_root(const UnitRecord& record) const {
-  auto whole = read_record(file_, record.end, record.start);
-  if (!whole) return bad_data(file_.path().string() + ": a record: expected it as it was, found it damaged");
-  return std::move(whole->root);
+Result<UnitRecord> Journal::read(const RecordPlace& place) const {
+  auto found = read_record(file_, place.end, place.start);
+  if (!found) return bad_data(file_.path().string() + ": a record: expected it as it was, found it damaged");
+  return std::move(found->record);
 }
 
 bool Journal::is_empty() const {
@@ -124,7 +155,7 @@ bool Journal::is_empty() const {
 
 // The root is written from where it is: it may be most of a megabyte.
 Status Journal::append(const UnitRecord& record) {
-  const std::vector<std::byte> entries = encode(record.entries);
+  const std::vector<std::byte> entries = encode(record);
   ChecksumStream sum;
   sum.add(entries);
   sum.add(record.root);

@@ -3,9 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
+#include "builder/bake/tile_layer.h"
 #include "cairn/pack_layout.h"
 #include "cairn/status.h"
 #include "format/file.h"
@@ -15,8 +17,13 @@ namespace cairn {
 /// What one task of a bake added to the pack.
 struct UnitRecord {
   std::vector<IndexEntry> entries;  ///< in the order in which they were added
-  std::vector<std::byte> root;  ///< of the unit's subtree, as its layer writes it; empty as read() gives it
-  std::uint64_t start = 0;      ///< of the record in its journal
+  std::optional<TileBlock> held;    ///< the unit's own tile, which is written together with its siblings
+  std::vector<std::byte> root;      ///< of the unit's subtree, as its layer writes it
+};
+
+/// Where a record lies in its journal.
+struct RecordPlace {
+  std::uint64_t start = 0;
   std::uint64_t end = 0;
 };
 
@@ -25,7 +32,7 @@ struct UnitRecord {
 class Journal {
  public:
   /// The first bytes of a journal that is identified.
-  static constexpr std::array<char, 8> kMagic = {'C', 'A', 'I', 'R', 'N', 'J', 'N', '2'};
+  static constexpr std::array<char, 8> kMagic = {'C', 'A', 'I', 'R', 'N', 'J', 'N', '3'};
 
   /// The file's name for a target.
   static std::filesystem::path path_for(const std::filesystem::path& target);
@@ -38,20 +45,20 @@ class Journal {
   Status identify(std::uint64_t fingerprint);
 
   /// Goes on after the last of these records; everything after it is cut off. REQUIRES: not empty, from
-  /// read().
-  static Result<Journal> reopen(const std::filesystem::path& target, const std::vector<UnitRecord>& records);
+  /// find_records().
+  static Result<Journal> reopen(const std::filesystem::path& target, const std::vector<RecordPlace>& records);
 
   /// The fingerprint of an interrupted bake that has work to go on from; nullopt where there is no journal,
   /// it was not identified, or it holds no record.
   static std::optional<std::uint64_t> fingerprint_of(const std::filesystem::path& target);
 
-  /// The records of an interrupted bake with this fingerprint, up to the first that is not whole, without
-  /// their roots: those of a large bake would fill the memory. Empty where there is no journal or it belongs
-  /// to another bake.
-  static std::vector<UnitRecord> read(const std::filesystem::path& target, std::uint64_t fingerprint);
+  /// Returns where the records of an interrupted bake with this fingerprint lie, up to the first that is not
+  /// whole or that `is_good` refuses. Returns none if there is no journal or it belongs to another bake.
+  static std::vector<RecordPlace> find_records(const std::filesystem::path& target, std::uint64_t fingerprint,
+                                               const std::function<bool(const UnitRecord&)>& is_good);
 
-  /// The root of such a record.
-  Result<std::vector<std::byte>> read_root(const UnitRecord& record) const;
+  /// Reads such a record. The error is bad_data if it has changed meanwhile.
+  Result<UnitRecord> read(const RecordPlace& place) const;
 
   Status append(const UnitRecord& record);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -16,10 +17,11 @@
 
 namespace cairn {
 
-/// A unit's subtree: its stored tiles in the order of the walk, and its root on the way up.
+/// A unit's subtree: what is stored beneath its root, siblings together, and the root on the way up.
 template <TileLayer L>
 struct UnitResult {
   std::vector<TileBlock> blocks;
+  std::optional<TileBlock> root_block;  ///< none where the root is pruned
   std::optional<typename L::Node> root;
   std::uint64_t leaves = 0;
 };
@@ -47,19 +49,25 @@ Result<UnitResult<L>> bake_unit(const L& layer, const TileTree& tree, const Tile
     ++result.leaves;
     std::optional<typename L::Node> node = layer.measure_leaf(std::move(*sampled));
     while (node) {
-      if (auto block = prune_or_encode(layer, *node)) result.blocks.push_back(std::move(*block));
+      auto block = prune_or_encode(layer, *node);
       if (node->id == unit) {
+        result.root_block = std::move(block);
         result.root = std::move(node);
         break;
       }
-      node = pyramid.merge(*node);
+      auto finished = pyramid.merge(*node, std::move(block));
+      node.reset();
+      if (!finished) break;
+      std::move(finished->children.begin(), finished->children.end(), std::back_inserter(result.blocks));
+      node = std::move(finished->parent);
     }
   }
   return result;
 }
 
 /// The serial end of the pipeline: writes the units' tiles, puts the tiles above them together, keeps the
-/// journal.
+/// journal. The stored children of a tile are written together, once the last of them is there, so that one
+/// read takes them all.
 template <TileLayer L>
 class LayerSink {
  public:
@@ -69,44 +77,55 @@ class LayerSink {
   Status take(UnitResult<L>&& unit) {
     UnitRecord record;
     for (const TileBlock& block : unit.blocks) {
-      if (auto status = write(block, record); !status) return status;
+      if (auto status = write(block, &record); !status) return status;
     }
     layer_.save_state(*unit.root, record.root);
-    if (auto status = merge_upwards(std::move(*unit.root), &record); !status) return status;
+    const TileId root_id = unit.root->id;
+    record.held = unit.root_block;
+    if (auto status = merge_upwards(std::move(*unit.root), std::move(unit.root_block), &record); !status)
+      return status;
+    const bool is_written = std::any_of(record.entries.begin(), record.entries.end(),
+                                        [&](const IndexEntry& entry) { return entry.id == root_id; });
+    if (is_written) record.held.reset();
     // Blocks are flushed before they are journalled, or a kill leaves records of bytes that were never
     // written.
     if (auto status = session_.writer.flush(); !status) return status;
     return session_.journal.append(record);
   }
 
-  /// Merges a journalled unit again. The pack has its tiles already.
-  Status replay(const UnitRecord& done) {
-    const auto bytes = session_.journal.read_root(done);
-    if (!bytes) return bytes.error();
-    ByteReader reader(*bytes);
+  /// Merges a journalled unit again. What the unit wrote is in the pack already.
+  Status replay(const RecordPlace& done) {
+    auto record = session_.journal.read(done);
+    if (!record) return record.error();
+    ByteReader reader(record->root);
     auto root = layer_.load_state(reader);
     if (!root) return root.error();
-    return merge_upwards(std::move(*root), nullptr);
+    return merge_upwards(std::move(*root), std::move(record->held), nullptr);
   }
 
  private:
-  Status write(const TileBlock& block, UnitRecord& record) {
+  Status write(const TileBlock& block, UnitRecord* record) {
+    if (record == nullptr) return {};
     auto entry = session_.writer.add(block.entry, block.block);
     if (!entry) return entry.error();
-    record.entries.push_back(*entry);
+    record->entries.push_back(*entry);
     return {};
   }
 
-  // Without a record, what is encoded is in the pack already.
-  Status merge_upwards(typename L::Node&& unit_root, UnitRecord* record) {
+  // Without a record, what would be written is in the pack already.
+  Status merge_upwards(typename L::Node&& unit_root, std::optional<TileBlock> stored, UnitRecord* record) {
     typename L::Node node = std::move(unit_root);
     while (node.id.level > top_) {
-      auto parent = above_.merge(node);
-      if (!parent) return {};
-      node = std::move(*parent);
-      const auto block = prune_or_encode(layer_, node);
-      if (!block || record == nullptr) continue;
-      if (auto status = write(*block, *record); !status) return status;
+      auto finished = above_.merge(node, std::move(stored));
+      if (!finished) return {};
+      for (const TileBlock& child : finished->children) {
+        if (auto status = write(child, record); !status) return status;
+      }
+      node = std::move(finished->parent);
+      stored = prune_or_encode(layer_, node);
+    }
+    if (stored) {
+      if (auto status = write(*stored, record); !status) return status;
     }
     layer_.finish_root(node);
     return {};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
@@ -25,11 +26,13 @@ constexpr int kLevelsInUnit = 2;
 
 using Entries = std::unordered_map<TileId, IndexEntry>;
 
-std::map<int, Entries> heights_by_level(const std::vector<IndexEntry>& entries) {
+Result<std::map<int, Entries>> heights_by_level(const PackWriter& pack) {
   std::map<int, Entries> levels;
-  for (const IndexEntry& entry : entries) {
+  const Status status = pack.visit_entries([&levels](const IndexEntry& entry) -> Status {
     if (entry.layer == Layer::heights) levels[entry.id.level].emplace(entry.id, entry);
-  }
+    return {};
+  });
+  if (!status) return status.error();
   return levels;
 }
 
@@ -51,7 +54,7 @@ class RqtLevel {
  public:
   struct Node {
     TileId id;
-    std::optional<RqtSteps> vertices;  ///< none in a parent
+    std::unique_ptr<RqtSteps> vertices;  ///< none in a parent
   };
   using Leaf = Node;
 
@@ -80,15 +83,15 @@ class RqtLevel {
     auto vertices = triangulate_tile(id);
     if (!vertices) return vertices.error();
     borders_.apply(id, *vertices);
-    return Node{id, std::move(*vertices)};
+    return Node{id, std::make_unique<RqtSteps>(std::move(*vertices))};
   }
   Node measure_leaf(Node leaf) const { return leaf; }
 
-  Node begin_parent(const TileId& id) const { return {id, std::nullopt}; }
+  Node begin_parent(const TileId& id) const { return {id, nullptr}; }
   void merge_child(const Node&, Node&) const {}
   void finish_parent(Node&) const {}
 
-  bool can_prune(const Node& node) const { return !node.vertices.has_value(); }
+  bool can_prune(const Node& node) const { return !node.vertices; }
   void prune(Node&) const {}
   void keep(Node&) const {}
 
@@ -142,7 +145,7 @@ class RqtLevel {
     for (const TileId& id : ids) {
       auto vertices = triangulate_tile(id);
       if (!vertices) return vertices.error();
-      nodes.push_back({id, std::move(*vertices)});
+      nodes.push_back({id, std::make_unique<RqtSteps>(std::move(*vertices))});
     }
     return nodes;
   }
@@ -159,7 +162,9 @@ class RqtLevel {
 Status bake_rqt_layers(const RqtPlan& plan, int threads, BakeSession& session,
                        const ProgressCallback& progress) {
   if (auto status = session.writer.flush(); !status) return status;
-  const std::map<int, Entries> levels = heights_by_level(session.writer.entries());
+  const Result<std::map<int, Entries>> found = heights_by_level(session.writer);
+  if (!found) return found.error();
+  const std::map<int, Entries>& levels = *found;
   const auto intervals = static_cast<std::uint64_t>(plan.tile_size - 1);
   const std::uint64_t samples = intervals * intervals;
   Progress now{"rqt", 0, 0, session.writer.position()};

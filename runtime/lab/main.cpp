@@ -133,6 +133,7 @@ Result<std::vector<double>> tolerances_of(const std::string& list) {
 Result<LabTerrain> open_terrain(const Options& o) {
   Result<PackReader> pack = PackReader::open(o.pack);
   if (!pack) return pack.error();
+  if (const Status status = pack->read_index(); !status) return status.error();
   return LabTerrain(std::make_shared<const PackReader>(std::move(*pack)));
 }
 

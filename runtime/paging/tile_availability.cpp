@@ -6,21 +6,16 @@
 namespace cairn {
 namespace {
 
-/// The tiles of a layer's coarsest level: the index ascends by layer and level, and may be long.
+// The tiles of a layer's coarsest level.
 std::vector<IndexEntry> coarsest_tiles(const PackReader& pack, Layer layer) {
-  std::size_t begin = 0;
-  for (std::size_t end = pack.entry_count(); begin < end;) {
-    const std::size_t middle = begin + (end - begin) / 2;
-    if (pack.entry(middle).layer < layer)
-      begin = middle + 1;
-    else
-      end = middle;
-  }
   std::vector<IndexEntry> tiles;
-  for (std::size_t i = begin; i < pack.entry_count(); ++i) {
-    const IndexEntry entry = pack.entry(i);
-    if (entry.layer != layer || entry.id.level != pack.entry(begin).id.level) break;
-    tiles.push_back(entry);
+  std::size_t begin = 0;
+  for (const PackLevel& level : pack.level_table()) {
+    const auto count = static_cast<std::size_t>(level.tiles);
+    for (std::size_t i = begin; level.layer == layer && i < begin + count; ++i)
+      tiles.push_back(pack.entry(i));
+    if (level.layer == layer) break;
+    begin += count;
   }
   return tiles;
 }

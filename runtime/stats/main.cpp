@@ -123,6 +123,7 @@ Result<std::shared_ptr<const PackReader>> open_pack(const Options& o) {
   if (o.exhaustive) return usage_error("--exhaustive: expected no --pack, found one");
   Result<PackReader> pack = PackReader::open(o.pack);
   if (!pack) return pack.error();
+  if (const Status status = pack->read_index(); !status) return status.error();
   return std::make_shared<const PackReader>(std::move(*pack));
 }
 

@@ -7,11 +7,14 @@
 #include <thread>
 #include <utility>
 
+#include "cairn/remote_pack.h"
 #include "runtime/flight/camera_text.h"
 #include "runtime/surface/drawn_ground.h"
 
 namespace cairn::viewer {
 namespace {
+
+constexpr std::uint64_t kMostIndexBytesAhead = std::uint64_t{16} << 20;  // a million tiles
 
 std::vector<Error> missing_layers(const std::string& name, const PackReader& pack) {
   std::vector<Error> missing;
@@ -44,10 +47,15 @@ Scene::Scene(std::shared_ptr<const PackReader> pack, std::unique_ptr<gl::Prepare
       renderer_(std::move(renderer)) {}
 
 Result<Scene> Scene::open(const Options& options) {
-  Result<PackReader> reader = PackReader::open(options.pack);
+  Result<PackReader> reader = open_pack(options.pack.string());
   if (!reader) return reader.error();
   auto pack = std::make_shared<const PackReader>(std::move(*reader));
   const PackHeader& header = pack->header();
+  // A frame that asks for a page of the index would wait for the server.
+  const bool is_index_small = header.metadata_offset - header.index_offset <= kMostIndexBytesAhead;
+  if (is_remote(options.pack.string()) && is_index_small) {
+    if (const Status status = pack->read_index(); !status) return status.error();
+  }
   auto uploads = std::make_unique<gl::PreparedHeights>();
   Result<gl::Renderer> renderer =
       gl::Renderer::create(header.tile_size, header.quantum_m, pack->entry_count(), *uploads);

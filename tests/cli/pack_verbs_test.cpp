@@ -127,7 +127,7 @@ TEST_CASE("verify says ok, or says what is wrong where and fails") {
   INFO(good.out);
   CHECK(good.exit_code == 0);
   CHECK(json::parse(good.out) == json{{"ok", true}, {"findings", json::array()}});
-  damage(pack.path, kPackHeaderBytes + 30);
+  damage(pack.path, kPackStartBytes + 30);
   const auto bad = run_cairn({"verify", pack.name(), "--json", "--threads", "2"});
   CHECK(bad.exit_code == 3);
   const json report = json::parse(bad.out);
@@ -261,7 +261,7 @@ TEST_CASE("sample names the line of a points file that it cannot read") {
 TEST_CASE("sample reports a damaged tile instead of a height") {
   const PackFile pack;
   test::write_test_pack(pack.path, kTilted, {{2, 8, 4}});
-  damage(pack.path, kPackHeaderBytes + 30);
+  damage(pack.path, kPackStartBytes + 30);
   const auto ran = run_cairn({"sample", pack.name(), "-177.9", "-88.9"});
   CHECK(ran.exit_code == 3);
   CHECK(is_one_line(ran.err));

@@ -134,7 +134,7 @@ TEST_CASE("hillshade refuses sizes and regions that are none, and leaves no file
   CHECK(unwritable.exit_code == 1);
   CHECK(is_one_line(unwritable.err));
   auto bytes = test::read_bytes(pack.path);
-  bytes[kPackHeaderBytes + 30] ^= std::byte{1};
+  bytes[kPackStartBytes + 30] ^= std::byte{1};
   test::write_bytes(pack.path, bytes);
   CHECK(run_cairn({"hillshade", pack.path, "-o", pack.in_dir("r.png"), "--size", "512x512"}).exit_code == 3);
   CHECK(other_files(pack) == 0);

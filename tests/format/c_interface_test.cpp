@@ -129,7 +129,7 @@ TEST_CASE("C: an imagery tile becomes RGBA, constant or not") {
     entry.flags = kConstant;
     entry.min_quanta = entry.max_quanta = static_cast<std::int32_t>(0xFF302010u);
     REQUIRE(writer->add(entry, {}).ok());
-    REQUIRE(writer->finish(test::test_metadata(header, writer->entries())).ok());
+    REQUIRE(writer->finish(test::test_metadata(header, writer->levels())).ok());
   }
   cairn_pack* pack = nullptr;
   cairn_error error{};

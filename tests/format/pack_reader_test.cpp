@@ -1,11 +1,15 @@
 #include "cairn/pack_reader.h"
 
 #include <atomic>
+#include <cmath>
+#include <cstring>
 #include <random>
 #include <thread>
 
 #include <catch2/catch.hpp>
 
+#include "cairn/pack_sampler.h"
+#include "format/file.h"
 #include "format/pack_writer.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"
@@ -36,6 +40,47 @@ fs::path small_pack(const test::TempDir& dir) {
   }
   REQUIRE(writer->finish("{}").ok());
   return path;
+}
+
+/// Counts what is read of a file, and says that reads are slow.
+class CountingSource : public ByteSource {
+ public:
+  explicit CountingSource(File file) : file_(std::move(file)) {}
+
+  const fs::path& name() const override { return file_.path(); }
+  Result<std::uint64_t> size() const override { return file_.size(); }
+  bool is_slow() const override { return true; }
+  using ByteSource::read;
+  Status read(std::uint64_t offset, std::span<std::byte> out) const override {
+    ++reads;
+    bytes += out.size();
+    return file_.read(offset, out);
+  }
+
+  mutable std::atomic<std::size_t> reads = 0;
+  mutable std::atomic<std::size_t> bytes = 0;
+
+ private:
+  File file_;
+};
+
+/// Tiles of blocks of a few bytes, which are none of a real layer: side² of the level, and their ancestors.
+void write_many_tiles(const fs::path& path, std::int32_t side, int level) {
+  Result<PackWriter> writer = PackWriter::create(path, test::test_header());
+  REQUIRE(writer.ok());
+  for (int l = 0; l <= level; ++l) {
+    for (std::int32_t i = 0; i < side * side; ++i) {
+      const TileId id{l, i % side, i / side};
+      if (id.x > (side - 1) >> (level - l) || id.y > (side - 1) >> (level - l)) continue;
+      IndexEntry entry;
+      entry.id = id;
+      entry.geometric_error_m = static_cast<float>(std::ldexp(8.0, -l));
+      std::vector<std::byte> block(sizeof id);
+      std::memcpy(block.data(), &id, sizeof id);
+      REQUIRE(writer->add(entry, block).ok());
+    }
+  }
+  REQUIRE(writer->finish("{}").ok());
 }
 
 }  // namespace
@@ -155,11 +200,70 @@ TEST_CASE("what is no pack, or not there, is refused in one line") {
   CHECK_THAT(PackReader::open(dir.path() / "text").error().message, Catch::Contains("magic"));
 }
 
+TEST_CASE("a planet's pages are read when something in them is asked for, and no others") {
+  const test::TempDir dir;
+  const fs::path path = dir.path() / "a.cairn";
+  write_many_tiles(path, 60, 4);  // 60 x 60 tiles of level 4 and their ancestors
+  auto file = File::open_to_read(path);
+  REQUIRE(file.ok());
+  auto counted = std::make_unique<CountingSource>(std::move(*file));
+  const CountingSource& source = *counted;
+  const auto reader = PackReader::open(std::move(counted));
+  REQUIRE(reader.ok());
+  CHECK(source.reads == 1);
+  CHECK(source.bytes == kPackStartBytes);
+  const auto entry = reader->find(Layer::heights, {4, 30, 30});
+  REQUIRE(entry);
+  CHECK(source.reads == 2);
+  REQUIRE(reader->read_block(*entry).ok());
+  CHECK(source.bytes <= 64 * 1024);
+  const auto before = source.reads.load();
+  for (int i = 0; i < 100; ++i) CHECK(reader->find(Layer::heights, {4, 30, 30}));
+  CHECK(source.reads == before);
+  std::vector<ByteRange> pages;
+  REQUIRE(reader->read_index([&](const ByteRange& page) { pages.push_back(page); }).ok());
+  CHECK(pages.size() > 2);
+  for (const ByteRange& page : pages) CHECK(page.bytes <= 16384);
+  CHECK_FALSE(reader->metadata_json().empty());
+}
+
+TEST_CASE("a damaged page of the index: what it may hold gives its error, and the rest is there") {
+  const test::TempDir dir;
+  const fs::path path = dir.path() / "a.cairn";
+  write_many_tiles(path, 60, 4);
+  const std::uint64_t index = PackReader::open(path)->header().index_offset;
+  auto bytes = test::read_bytes(path);
+  bytes[index + 100] ^= std::byte{1};  // of the first leaf, which has the coarse levels
+  test::write_bytes(path, bytes);
+  const auto reader = PackReader::open(path);
+  REQUIRE(reader.ok());
+  const auto told = [&](const Result<std::vector<std::byte>>& block) {
+    REQUIRE_FALSE(block.ok());
+    CHECK(block.error().code == ErrorCode::bad_data);
+    CHECK_THAT(block.error().message, Catch::StartsWith(path.string() + ": index page at byte " +
+                                                        std::to_string(index) + ": checksum"));
+  };
+  const auto coarse = reader->find(Layer::heights, {0, 1, 1});
+  REQUIRE(coarse);
+  CHECK((coarse->flags & kUnreadable) != 0);
+  told(reader->read_block(*coarse));
+  told(reader->read_block(reader->entry(3)));
+  CHECK_FALSE(reader->read_height_tile(*coarse).ok());
+  CHECK(reader->find_index(Layer::heights, {0, 1, 1}));
+  const auto fine = reader->find(Layer::heights, {4, 59, 59});
+  REQUIRE(fine);
+  CHECK(reader->read_block(*fine).ok());
+  CHECK_FALSE(reader->find(Layer::heights, {4, 60, 59}));
+  CHECK_FALSE(reader->read_index().ok());
+  PackSampler sampler(*reader);
+  CHECK_FALSE(sampler.height_at({-179.99, -89.99}, 0).ok());
+}
+
 TEST_CASE("a damaged block is told by its checksum, with the tile named") {
   const test::TempDir dir;
   const fs::path path = small_pack(dir);
   auto bytes = test::read_bytes(path);
-  bytes[kPackHeaderBytes] ^= std::byte{4};
+  bytes[kPackStartBytes] ^= std::byte{4};
   test::write_bytes(path, bytes);
   const auto reader = PackReader::open(path);
   REQUIRE(reader.ok());

@@ -184,7 +184,7 @@ TEST_CASE("a damaged tile is an error, not a missing height") {
   const auto path = dir.path() / "a.cairn";
   test::write_test_pack(path, kTilted, {{2, 8, 4}});
   auto bytes = test::read_bytes(path);
-  bytes[kPackHeaderBytes + 50] ^= std::byte{1};
+  bytes[kPackStartBytes + 50] ^= std::byte{1};
   test::write_bytes(path, bytes);
   const auto reader = PackReader::open(path);
   REQUIRE(reader.ok());

@@ -6,11 +6,12 @@
 
 #include <catch2/catch.hpp>
 
+#include "cairn/pack_reader.h"
+#include "cairn/texture_tile.h"
 #include "format/checksum.h"
 #include "format/height_block.h"
-#include "cairn/pack_reader.h"
+#include "format/index_page.h"
 #include "format/pack_writer.h"
-#include "cairn/texture_tile.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"
 
@@ -69,23 +70,28 @@ fs::path raw_pack(const test::TempDir& dir,
   return dir.path() / "raw.cairn";
 }
 
-/// Rewrites the index of a pack and the header's checksum over it.
-void edit_index(const fs::path& path, const std::function<void(std::vector<IndexEntry>&)>& edit) {
-  auto bytes = test::read_bytes(path);
-  PackHeader header = *decode_header(std::span(bytes).first(kPackHeaderBytes));
-  std::vector<IndexEntry> entries;
-  const auto index = std::span(bytes).subspan(header.index_offset, header.index_count * kIndexEntryBytes);
-  for (std::size_t i = 0; i < header.index_count; ++i) {
-    entries.push_back(*decode_entry(index.subspan(i * kIndexEntryBytes, kIndexEntryBytes)));
-  }
-  edit(entries);
-  std::vector<std::byte> edited;
-  for (const IndexEntry& entry : entries) append_entry(entry, edited);
-  REQUIRE(edited.size() == index.size());
-  std::copy(edited.begin(), edited.end(), index.begin());
-  header.index_checksum = checksum(index);
+/// Puts another root, which follows the header, into a pack.
+void put_root(std::vector<std::byte>& bytes, PackHeader header, std::span<const std::byte> root) {
+  std::fill(bytes.begin() + kPackHeaderBytes, bytes.begin() + kPackStartBytes, std::byte{0});
+  std::copy(root.begin(), root.end(), bytes.begin() + kPackHeaderBytes);
+  header.root_bytes = static_cast<std::uint32_t>(root.size());
+  header.root_checksum = checksum(std::span(bytes).first(kPackStartBytes).subspan(kPackHeaderBytes));
   const auto encoded = encode_header(header);
   std::copy(encoded.begin(), encoded.end(), bytes.begin());
+}
+
+PackHeader header_of(const std::vector<std::byte>& bytes) {
+  return *decode_header(std::span(bytes).first(kPackHeaderBytes));
+}
+
+/// Rewrites the index of a pack, all of which is in its root, and the checksums over it.
+void edit_index(const fs::path& path, const std::function<void(PackRoot&)>& edit) {
+  auto bytes = test::read_bytes(path);
+  const PackHeader header = header_of(bytes);
+  PackRoot root = *decode_root(std::span(bytes).subspan(kPackHeaderBytes, header.root_bytes));
+  REQUIRE(root.page.height == 0);
+  edit(root);
+  put_root(bytes, header, encode_root(root.levels, encode_leaf_page(root.page.entries)));
   test::write_bytes(path, bytes);
 }
 
@@ -126,7 +132,7 @@ TEST_CASE("verify finds a file that is no pack, or cut") {
   fs::resize_file(dir.path() / "a.cairn", 5000);
   CHECK(finds(verify(dir.path() / "a.cairn"), "file", "file size: expected"));
   fs::resize_file(dir.path() / "a.cairn", 50);
-  CHECK(finds(verify(dir.path() / "a.cairn"), "file", "header: expected 96 bytes, found 50"));
+  CHECK(finds(verify(dir.path() / "a.cairn"), "file", "header: expected 256 bytes, found 50"));
 }
 
 TEST_CASE("verify finds a damaged header, index and metadata") {
@@ -134,9 +140,10 @@ TEST_CASE("verify finds a damaged header, index and metadata") {
   const fs::path path = dir.path() / "a.cairn";
   test::write_test_pack(path, kHills, {{2, 8, 4}});
   const auto good = test::read_bytes(path);
-  const PackHeader header = *decode_header(std::span(good).first(kPackHeaderBytes));
+  const PackHeader header = header_of(good);
   const std::pair<std::uint64_t, const char*> places[] = {{20, "header: checksum"},
-                                                          {header.index_offset + 9, "index: checksum"},
+                                                          {kPackHeaderBytes + 9, "root: checksum"},
+                                                          {kPackStartBytes - 1, "root: checksum"},
                                                           {header.metadata_offset + 3, "metadata: checksum"}};
   for (const auto& [at, words] : places) {
     auto bytes = good;
@@ -151,15 +158,61 @@ TEST_CASE("verify finds index entries that are out of order, out of range or poi
   const fs::path path = dir.path() / "a.cairn";
   const auto found = [&](const std::function<void(std::vector<IndexEntry>&)>& edit, const char* words) {
     test::write_test_pack(path, kHills, {{2, 8, 4}, {2, 9, 4}});
-    edit_index(path, edit);
+    edit_index(path, [&](PackRoot& root) { edit(root.page.entries); });
     return finds(verify(path), "file", words);
   };
-  CHECK(found([](auto& e) { std::swap(e[0], e[1]); },
-              "index entry 1: expected a tile after 2/9/4, found 2/8/4"));
-  CHECK(found([](auto& e) { e[1].id = e[0].id; }, "index entry 1: expected a tile after"));
-  CHECK(found([](auto& e) { e[1].id.x = 5000; }, "index entry 1: tile: expected one of the grid"));
-  CHECK(found([](auto& e) { e[1].offset += 1; }, "index entry 1: expected a block before byte"));
-  CHECK(found([](auto& e) { e[0].offset = UINT64_MAX; }, "index entry 0: expected a block before byte"));
+  CHECK(found([](auto& e) { std::swap(e[0], e[1]); }, "root: expected keys that ascend"));
+  CHECK(found([](auto& e) { e[1].id = e[0].id; }, "root: expected keys that ascend"));
+  CHECK(found([](auto& e) { e[1].flags = 64; }, "root: heights tile 2/9/4: flags: expected bits"));
+  CHECK(found([](auto& e) { e[1].offset += 1; }, "root: heights tile 2/9/4: expected a block before byte"));
+  CHECK(found([](auto& e) { e[0].offset = UINT64_MAX; }, "expected a block before byte"));
+  CHECK(found([](auto& e) { e.pop_back(); }, "root: expected 2 entries as the header has, found 1"));
+}
+
+TEST_CASE("verify finds sums over a level that are not those of its entries") {
+  const test::TempDir dir;
+  const fs::path path = dir.path() / "a.cairn";
+  const auto found = [&](const std::function<void(PackLevel&)>& edit) {
+    test::write_test_pack(path, kHills, {{2, 8, 4}, {2, 9, 4}});
+    edit_index(path, [&](PackRoot& root) { edit(root.levels[0]); });
+    return finds(verify(path), "root", "expected the sums of the entries for heights level 2");
+  };
+  CHECK(found([](PackLevel& level) { level.constant_tiles = 1; }));
+  CHECK(found([](PackLevel& level) { level.block_bytes += 1; }));
+  CHECK(found([](PackLevel& level) { level.max_error_m += 1; }));
+  CHECK_FALSE(found([](PackLevel&) {}));
+}
+
+TEST_CASE("verify finds a page of the index that is damaged, and bytes of the index in no page") {
+  const test::TempDir dir;
+  const fs::path path = dir.path() / "a.cairn";
+  auto writer = PackWriter::create(path, test::test_header());
+  REQUIRE(writer.ok());
+  for (std::int32_t i = 0; i < 3000; ++i) {
+    IndexEntry entry;
+    entry.flags = kConstant;
+    entry.id = {2, i % 60, i / 60};
+    REQUIRE(writer->add(entry, {}).ok());
+  }
+  REQUIRE(writer->finish("{}").ok());
+  CHECK(verify(path).ok());
+  const auto good = test::read_bytes(path);
+  const PackHeader header = header_of(good);
+  for (std::uint64_t at = header.index_offset; at < header.metadata_offset; at += 101) {
+    auto bytes = good;
+    bytes[at] ^= std::byte{1};
+    test::write_bytes(path, bytes);
+    REQUIRE(finds(verify(path), "index", "checksum: expected"));
+  }
+  const PackRoot root = *decode_root(std::span(good).subspan(kPackHeaderBytes, header.root_bytes));
+  REQUIRE(root.page.height == 1);
+  auto bytes = good;
+  bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(header.metadata_offset), std::byte{0});
+  PackHeader longer = header;
+  ++longer.metadata_offset;
+  put_root(bytes, longer, encode_root(root.levels, encode_branch_page(1, root.page.children)));
+  test::write_bytes(path, bytes);
+  CHECK(finds(verify(path), "index", "expected each byte in one page, found bytes in none"));
 }
 
 TEST_CASE("verify finds metadata that is empty or no UTF-8") {
@@ -177,14 +230,20 @@ TEST_CASE("verify finds bytes in no block, and blocks that overlap") {
   const fs::path path = dir.path() / "a.cairn";
   const std::vector<TileId> two{{2, 8, 4}, {2, 9, 4}};
   test::write_test_pack(path, kHills, two);
-  edit_index(path, [](auto& e) { e[0].bytes -= 1; });
+  edit_index(path, [](PackRoot& root) { root.page.entries[0].bytes -= 1; });
   CHECK(finds(verify(path), "blocks", "expected each byte in one block, found bytes in none"));
   test::write_test_pack(path, kHills, two);
-  edit_index(path, [](auto& e) { e[0].bytes += 1; });
+  edit_index(path, [](PackRoot& root) { root.page.entries[0].bytes += 1; });
   CHECK(finds(verify(path), "blocks", "found blocks that overlap"));
   test::write_test_pack(path, kHills, two);
-  edit_index(path, [](auto& e) { e[1] = {Layer::heights, kConstant, e[1].id, 0, 0, 0, 5, 5, 1.0f, 0}; });
+  edit_index(path, [](PackRoot& root) {
+    IndexEntry& e = root.page.entries[1];
+    e = {Layer::heights, kConstant, e.id, 0, 0, 0, 5, 5, 1.0f, 0};
+  });
   CHECK(finds(verify(path), "blocks", "found bytes in none"));
+  test::write_test_pack(path, kHills, two);
+  edit_index(path, [](PackRoot& root) { root.page.entries[0].flags |= kSharedBlock; });
+  CHECK(finds(verify(path), "blocks", "expected one tile that does not share it, found none"));
 }
 
 TEST_CASE("verify finds a block with another checksum, and one that does not decode") {
@@ -192,7 +251,7 @@ TEST_CASE("verify finds a block with another checksum, and one that does not dec
   const fs::path path = dir.path() / "a.cairn";
   test::write_test_pack(path, kHills, {{2, 8, 4}});
   auto bytes = test::read_bytes(path);
-  bytes[kPackHeaderBytes + 10] ^= std::byte{64};
+  bytes[kPackStartBytes + 10] ^= std::byte{64};
   test::write_bytes(path, bytes);
   CHECK(finds(verify(path), "heights 2/8/4", "block: checksum"));
   IndexEntry entry;
@@ -220,7 +279,7 @@ TEST_CASE("verify finds triangulations that do not decode, and damage to their b
   const fs::path path = raw_pack(dir, {{entry, std::vector<std::byte>(20, std::byte{7})}});
   CHECK(finds(verify(path), "rqt 2/8/4", "rqt block: expected code 0 or 1"));
   auto bytes = test::read_bytes(path);
-  bytes[kPackHeaderBytes] ^= std::byte{1};
+  bytes[kPackStartBytes] ^= std::byte{1};
   test::write_bytes(path, bytes);
   CHECK(finds(verify(path), "rqt 2/8/4", "block: checksum"));
 }

@@ -1,6 +1,8 @@
 #include "format/pack_writer.h"
 
+#include <algorithm>
 #include <csignal>
+#include <numeric>
 #include <random>
 
 #include <catch2/catch.hpp>
@@ -9,6 +11,7 @@
 #include <unistd.h>
 
 #include "cairn/pack_reader.h"
+#include "format/tile_number.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"
 
@@ -28,6 +31,24 @@ IndexEntry plain_entry(std::int32_t x) {
   IndexEntry entry;
   entry.id = {0, x, 3};
   return entry;
+}
+
+std::vector<IndexEntry> entries_of(const PackWriter& writer) {
+  std::vector<IndexEntry> entries;
+  REQUIRE(writer.visit_entries([&](const IndexEntry& entry) -> Status {
+    entries.push_back(entry);
+    return {};
+  }));
+  return entries;
+}
+
+Result<PackWriter> reopened(const fs::path& target, const std::vector<IndexEntry>& entries) {
+  return PackWriter::reopen(target, test::test_header(), [&](const PackWriter::TakeEntry& take) -> Status {
+    for (const IndexEntry& entry : entries) {
+      if (Status status = take(entry); !status) return status;
+    }
+    return {};
+  });
 }
 
 PackWriter started(const fs::path& target) {
@@ -79,9 +100,11 @@ TEST_CASE("equal blocks are stored once, whether still buffered or long on the d
   const auto large = writer.add(plain_entry(9), noise(700000, 3));
   REQUIRE((on_disk.ok() && large.ok()));
   CHECK(on_disk->offset == first->offset);
-  CHECK(large->offset == writer.entries()[3].offset);
+  CHECK(large->offset == entries_of(writer)[3].offset);
+  CHECK((first->flags & kSharedBlock) == 0);
+  for (const auto& shared : {buffered, on_disk, large}) CHECK((shared->flags & kSharedBlock) != 0);
   CHECK(writer.position() == before);
-  CHECK(before == kPackHeaderBytes + 1000 + 6 * 700000);
+  CHECK(before == kPackStartBytes + 1000 + 6 * 700000);
 }
 
 TEST_CASE("blocks larger than the write buffer come back whole") {
@@ -117,11 +140,12 @@ TEST_CASE("a pack taken up again after a break has the same bytes as one written
     PackWriter broken = started(target);
     add(broken, 0, 12);
     REQUIRE(broken.flush().ok());
-    kept.assign(broken.entries().begin(), broken.entries().begin() + 5);
+    kept = entries_of(broken);
+    kept.resize(5);
   }
-  auto again = PackWriter::reopen(target, test::test_header(), kept);
+  auto again = reopened(target, kept);
   REQUIRE(again.ok());
-  CHECK(again->position() == kPackHeaderBytes + 5 * 5000);
+  CHECK(again->position() == kPackStartBytes + 5 * 5000);
   add(*again, 5, 20);
   REQUIRE(again->finish("{}").ok());
   CHECK(test::read_bytes(target) == test::read_bytes(dir.path() / "whole.cairn"));
@@ -134,12 +158,12 @@ TEST_CASE("a part that is shorter than its journal says cannot be taken up") {
   {
     PackWriter writer = started(target);
     REQUIRE(writer.add(plain_entry(1), noise(5000, 1)).ok());
-    entries = writer.entries();  // never flushed
+    entries = entries_of(writer);  // never flushed
   }
-  const auto again = PackWriter::reopen(target, test::test_header(), entries);
+  const auto again = reopened(target, entries);
   REQUIRE_FALSE(again.ok());
   CHECK(again.error().code == ErrorCode::bad_data);
-  CHECK_THAT(again.error().message, Catch::Contains("5096"));
+  CHECK_THAT(again.error().message, Catch::Contains("21384"));
 }
 
 TEST_CASE("a tile that was added twice fails the pack") {
@@ -151,6 +175,40 @@ TEST_CASE("a tile that was added twice fails the pack") {
   REQUIRE_FALSE(status.ok());
   CHECK_THAT(status.error().message, Catch::Contains("0/4/3 was added twice"));
   CHECK_FALSE(fs::exists(dir.path() / "a.cairn"));
+}
+
+TEST_CASE("the entries of many thousand tiles come out in the order of the index, however they were added") {
+  const test::TempDir dir;
+  std::vector<std::int32_t> order(200'000);
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), std::mt19937(7));
+  PackWriter writer = started(dir.path() / "a.cairn");
+  for (const std::int32_t number : order) {
+    IndexEntry entry;
+    entry.flags = kConstant;
+    entry.layer = number % 5 == 0 ? Layer::imagery : Layer::heights;
+    entry.id = {2 + number % 2, number % 499, number / 499};
+    entry.min_quanta = entry.max_quanta = number;
+    REQUIRE(writer.add(entry, {}).ok());
+  }
+  CHECK(fs::directory_iterator(dir.path()) != fs::directory_iterator());
+  CHECK(std::distance(fs::directory_iterator(dir.path()), {}) == 1);  // the scratch file has no name
+  const auto entries = entries_of(writer);
+  REQUIRE(entries.size() == order.size());
+  CHECK(std::is_sorted(entries.begin(), entries.end(),
+                       [](const auto& a, const auto& b) { return key_of(a) < key_of(b); }));
+  REQUIRE(writer.finish("{}").ok());
+  const auto reader = PackReader::open(dir.path() / "a.cairn");
+  REQUIRE(reader.ok());
+  REQUIRE(reader->read_index().ok());
+  REQUIRE(reader->entry_count() == entries.size());
+  for (std::size_t i = 0; i < entries.size(); i += 7) {
+    REQUIRE(reader->entry(i) == entries[i]);
+    REQUIRE(reader->find_index(entries[i].layer, entries[i].id) == i);
+  }
+  std::uint64_t tiles = 0;
+  for (const PackLevel& level : reader->level_table()) tiles += level.tiles;
+  CHECK(tiles == entries.size());
 }
 
 TEST_CASE("a folder that is not there or cannot be written gives an error that names the file") {

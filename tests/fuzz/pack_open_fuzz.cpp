@@ -5,9 +5,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "format/checksum.h"
 #include "cairn/pack_reader.h"
 #include "cairn/pack_sampler.h"
+#include "format/checksum.h"
 #include "format/pack_verify.h"
 #include "tests/support/fuzz.h"
 #include "tests/support/test_data.h"
@@ -18,38 +18,36 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-std::uint64_t number_at(const Bytes& bytes, std::size_t at) {
-  std::uint64_t value = 0;
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
+void put(Bytes& bytes, std::size_t at, std::span<const std::byte> value) {
+  std::copy(value.begin(), value.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
 void set_number(Bytes& bytes, std::size_t at, std::uint64_t value) {
   std::memcpy(bytes.data() + at, &value, sizeof value);
 }
 
-/// The checksum of [start, end) goes to `at`, where there is such a range.
-void set_checksum(Bytes& bytes, std::size_t at, std::uint64_t start, std::uint64_t end) {
-  if (start > end || end > bytes.size()) return;
-  set_number(bytes, at, checksum(std::span(bytes).subspan(start, end - start)));
-}
-
-/// The metadata ends where the file ends, and the checksums are right. Offsets are those of
+/// The metadata ends where the file ends, and id and checksums are right. Offsets are those of
 /// docs/pack-format.md.
 void make_fit(Bytes& bytes) {
-  if (bytes.size() < kPackHeaderBytes) return;
+  if (bytes.size() < kPackStartBytes) return;
   std::memcpy(bytes.data(), kPackMagic.data(), kPackMagic.size());
-  const std::uint64_t index = number_at(bytes, 24), metadata = number_at(bytes, 48);
-  if (metadata <= bytes.size()) set_number(bytes, 56, bytes.size() - metadata);
-  set_checksum(bytes, 40, index, metadata);
-  set_checksum(bytes, 64, metadata, bytes.size());
-  set_checksum(bytes, 88, 0, 88);
+  std::uint64_t metadata = 0;
+  std::memcpy(&metadata, bytes.data() + 128, sizeof metadata);
+  const auto all = std::span<const std::byte>(bytes);
+  if (metadata <= bytes.size()) {
+    set_number(bytes, 136, bytes.size() - metadata);
+    set_number(bytes, 144, checksum(all.subspan(static_cast<std::size_t>(metadata))));
+  }
+  set_number(bytes, 160, checksum(all.first(kPackStartBytes).subspan(kPackHeaderBytes)));
+  put(bytes, 224, long_checksum(all.first(224)));
+  set_number(bytes, 248, checksum(all.first(248)));
 }
 
 void use_pack(const std::filesystem::path& path) {
   (void)verify_pack(path, {1, 50});
   const Result<PackReader> pack = PackReader::open(path);
   if (!pack) return;
+  (void)pack->read_index();
   for (std::size_t i = 0; i < pack->entry_count(); ++i) {
     const IndexEntry entry = pack->entry(i);
     (void)pack->find_nearest(entry.layer, entry.id);

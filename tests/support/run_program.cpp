@@ -23,10 +23,8 @@ void redirect(int descriptor, const std::filesystem::path& path, int flags) {
 }
 
 // Its stdin, stdout and stderr are files of that folder.
-pid_t start(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-            std::size_t most_file_bytes = RLIM_INFINITY) {
-  std::vector<std::string> words{CAIRN_PROGRAM};
-  words.insert(words.end(), arguments.begin(), arguments.end());
+pid_t start_words(std::vector<std::string> words, const std::filesystem::path& folder,
+                  std::size_t most_file_bytes) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -47,10 +45,20 @@ pid_t start(const std::vector<std::string>& arguments, const std::filesystem::pa
   return child;
 }
 
-Ran run(const std::vector<std::string>& arguments, const std::string& input, std::size_t most_file_bytes) {
+std::vector<std::string> with(const std::string& program, const std::vector<std::string>& arguments) {
+  std::vector<std::string> words{program};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return words;
+}
+
+pid_t start(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
+  return start_words(with(CAIRN_PROGRAM, arguments), folder, RLIM_INFINITY);
+}
+
+Ran run(const std::vector<std::string>& words, const std::string& input, std::size_t most_file_bytes) {
   const TempDir dir;
   std::ofstream(dir.path() / "in", std::ios::binary) << input;
-  const pid_t child = start(arguments, dir.path(), most_file_bytes);
+  const pid_t child = start_words(words, dir.path(), most_file_bytes);
   int status = 0;
   REQUIRE(::waitpid(child, &status, 0) == child);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(dir.path() / "out"),
@@ -65,11 +73,15 @@ std::string text_of(const std::filesystem::path& path) {
 }
 
 Ran run_cairn(const std::vector<std::string>& arguments, const std::string& input) {
-  return run(arguments, input, RLIM_INFINITY);
+  return run(with(CAIRN_PROGRAM, arguments), input, RLIM_INFINITY);
+}
+
+Ran run_python(const std::vector<std::string>& arguments) {
+  return run(with("/usr/bin/python3", arguments), "", RLIM_INFINITY);
 }
 
 Ran run_cairn_on_full_disk(const std::vector<std::string>& arguments, std::size_t most_bytes) {
-  return run(arguments, "", most_bytes);
+  return run(with(CAIRN_PROGRAM, arguments), "", most_bytes);
 }
 
 bool run_cairn_and_kill(const std::vector<std::string>& arguments, std::chrono::milliseconds after) {

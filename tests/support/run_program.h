@@ -18,6 +18,9 @@ struct Ran {
 /// Runs the `cairn` program that was built beside the tests; `input` is its stdin.
 Ran run_cairn(const std::vector<std::string>& arguments, const std::string& input = "");
 
+/// Runs a script with Debian's Python.
+Ran run_python(const std::vector<std::string>& arguments);
+
 /// Runs it where no file may grow past so many bytes: writes past them fail, as on a full disk.
 Ran run_cairn_on_full_disk(const std::vector<std::string>& arguments, std::size_t most_bytes);
 

@@ -72,12 +72,10 @@ PackHeader test_header(int tile_size) {
   return header;
 }
 
-std::string test_metadata(const PackHeader& header, const std::vector<IndexEntry>& entries) {
+std::string test_metadata(const PackHeader& header, const std::vector<PackLevel>& levels) {
   std::map<int, float> errors;
-  for (const IndexEntry& entry : entries) {
-    if (entry.layer == Layer::heights) {
-      errors[entry.id.level] = std::max(errors[entry.id.level], entry.geometric_error_m);
-    }
+  for (const PackLevel& level : levels) {
+    if (level.layer == Layer::heights) errors[level.level] = level.max_error_m;
   }
   std::ostringstream out;
   out.precision(17);
@@ -108,7 +106,7 @@ void write_test_pack(const std::filesystem::path& path, const TestSurface& surfa
         constant ? std::vector<std::byte>() : encode_height_block(tile, *height_codecs().front());
     REQUIRE(writer->add(entry, block).ok());
   }
-  REQUIRE(writer->finish(test_metadata(test_header(surface.tile_size), writer->entries())).ok());
+  REQUIRE(writer->finish(test_metadata(test_header(surface.tile_size), writer->levels())).ok());
 }
 
 std::vector<TileId> with_ancestors(const std::vector<TileId>& tiles, int coarsest) {

@@ -34,7 +34,7 @@ PackHeader test_header(int tile_size = 257);
 
 /// Metadata with every key that a pack's page promises and numbers that agree with the header and the
 /// entries; the accuracy and the source are made up.
-std::string test_metadata(const PackHeader& header, const std::vector<IndexEntry>& entries);
+std::string test_metadata(const PackHeader& header, const std::vector<PackLevel>& levels);
 
 /// Writes a pack of these tiles; every height block in the first codec of the table. The tiles' entries may
 /// be changed by `edit` before they are added.

@@ -1,13 +1,14 @@
 #pragma once
 
-// The bytes of a pack, in order: the header (fixed size), the blocks with no gap between them, the index, the
-// metadata, end of file. docs/pack-format.md explains every field; the numbers live only here.
+// The parts of a pack, in order: header and root (16 KiB together), blocks, pages of the index, metadata.
+// docs/pack-format.md explains every field; the numbers live only here and in format/index_page.h.
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
+#include <string>
+#include <string_view>
 
 #include "cairn/status.h"
 #include "cairn/tile_id.h"
@@ -15,31 +16,53 @@
 namespace cairn {
 
 inline constexpr std::array<char, 8> kPackMagic = {'\x89', 'C', 'A', 'I', 'R', 'N', '\r', '\n'};
-inline constexpr std::uint16_t kPackVersion = 1;
-inline constexpr std::size_t kPackHeaderBytes = 96;
-inline constexpr std::size_t kIndexEntryBytes = 48;
+inline constexpr std::uint16_t kPackVersion = 2;
+inline constexpr std::size_t kPackHeaderBytes = 256;
+inline constexpr std::size_t kPackStartBytes = 16384;  ///< header and root; the blocks begin here
 
 /// The surface that heights are measured from.
 enum class VerticalDatum : std::uint8_t { unknown = 0, egm96 = 1, ellipsoid = 2 };
 const char* to_string(VerticalDatum datum);
+
+/// The ellipsoid of revolution on which the grid's longitudes and latitudes are.
+struct Body {
+  std::string name = "Earth";  ///< UTF-8, at most 31 bytes
+  double semi_major_m = 6378137.0;
+  double semi_minor_m = 6356752.314245179;
+
+  friend bool operator==(const Body&, const Body&) = default;
+};
+
+/// A hash of all bytes of a pack.
+using PackId = std::array<std::byte, 16>;
+std::string to_string(const PackId& id);  ///< 32 hexadecimal digits
 
 /// The fixed-size start of the file. All offsets are from the file's first byte.
 struct PackHeader {
   std::uint16_t version = kPackVersion;
   std::uint16_t tile_size = 513;  ///< samples along a tile's side: 513 or 257; texture tiles have one less
   VerticalDatum vertical_datum = VerticalDatum::unknown;
-  double quantum_m = 0.25;         ///< metres per quantum; > 0, finite
-  std::uint64_t index_offset = 0;  ///< blocks lie between the header and here
-  std::uint64_t index_count = 0;   ///< entries
-  std::uint64_t index_checksum = 0;
-  std::uint64_t metadata_offset = 0;  ///< = index_offset + index_count · kIndexEntryBytes
+  /// The datum's name where it is none of VerticalDatum's: UTF-8, at most 39 bytes. Empty where it is.
+  std::string other_datum;
+  Body body;
+  double quantum_m = 0.25;            ///< metres per quantum; > 0, finite
+  std::uint64_t entry_count = 0;      ///< tiles of all layers
+  std::uint64_t index_offset = 0;     ///< blocks lie between kPackStartBytes and here
+  std::uint64_t metadata_offset = 0;  ///< the index's pages lie between index_offset and here
   std::uint64_t metadata_bytes = 0;   ///< UTF-8 JSON; it ends where the file ends
   std::uint64_t metadata_checksum = 0;
+  std::uint32_t root_bytes = 0;     ///< of the root, which follows the header
+  std::uint64_t root_checksum = 0;  ///< of all bytes between the header and kPackStartBytes
+  PackId id{};                      ///< encode_header() works it out
 
   std::uint64_t file_bytes() const { return metadata_offset + metadata_bytes; }
+  /// The name of the vertical datum; "unknown" where nothing is known.
+  std::string_view datum_name() const {
+    return other_datum.empty() ? std::string_view(to_string(vertical_datum)) : other_datum;
+  }
 };
 
-/// Returns the header's bytes, with their own checksum.
+/// Returns the header's bytes, with the pack's id and their own checksum.
 std::array<std::byte, kPackHeaderBytes> encode_header(const PackHeader& header);
 /// Accepts exactly what encode_header() writes. The error is bad_data and names the first wrong field, what
 /// was expected and what was found.
@@ -50,16 +73,24 @@ enum class Layer : std::uint8_t {
   heights = 0,  ///< HeightTile
   imagery = 1,  ///< TextureTile
   rqt = 2,      ///< enabled vertices of restricted quadtree triangulations (Intel 2012)
+  objects = 3,  ///< things that stand on the ground; docs/pack-format.md has the block
+  water = 4,    ///< which samples are water; docs/pack-format.md has the block
 };
+inline constexpr std::size_t kLayers = 5;
 const char* to_string(Layer layer);
 
 enum EntryFlags : std::uint16_t {
-  kConstant = 1,  ///< every sample, or every texel, is min_quanta; the entry has no block
-  kHasVoids = 2,  ///< heights: the block has a void mask
-  kHasAlpha = 4,  ///< imagery: some texel is not opaque
+  kConstant = 1,     ///< every sample, or every texel, is min_quanta; the entry has no block
+  kHasVoids = 2,     ///< heights: the block has a void mask
+  kHasAlpha = 4,     ///< imagery: some texel is not opaque
+  kSharedBlock = 8,  ///< the block is also that of a tile that was added earlier
+  /// Never stored: the page of the index that may have the entry could not be read. Reading the tile returns
+  /// the page's error.
+  kUnreadable = 0x8000,
 };
 
-/// The index entry of one tile. Entries are sorted by layer, then TileId, for binary search.
+/// The index entry of one tile. Entries are sorted by layer and level, and within a level along a Z curve, so
+/// that the four children of a tile are neighbours.
 struct IndexEntry {
   Layer layer = Layer::heights;
   std::uint16_t flags = 0;
@@ -80,14 +111,16 @@ struct IndexEntry {
   friend bool operator==(const IndexEntry&, const IndexEntry&) = default;
 };
 
-/// Returns whether a comes before b in the index.
-inline bool entry_before(const IndexEntry& a, const IndexEntry& b) {
-  return a.layer != b.layer ? a.layer < b.layer : a.id < b.id;
-}
+/// The sums over one level of one layer, from the pack's root.
+struct PackLevel {
+  Layer layer = Layer::heights;
+  int level = 0;
+  float max_error_m = 0;             ///< the largest geometric error of its tiles
+  std::uint64_t tiles = 0;           ///< at least 1
+  std::uint64_t constant_tiles = 0;  ///< of these
+  std::uint64_t block_bytes = 0;     ///< a block that tiles share counts for the tile that was added first
 
-void append_entry(const IndexEntry& entry, std::vector<std::byte>& out);
-/// Decodes an entry. The error is bad_data if a field is out of range. REQUIRES: bytes.size() ==
-/// kIndexEntryBytes.
-Result<IndexEntry> decode_entry(std::span<const std::byte> bytes);
+  friend bool operator==(const PackLevel&, const PackLevel&) = default;
+};
 
 }  // namespace cairn

@@ -3,7 +3,9 @@
 #include "builder/bake/layer_bake.h"
 
 #include <atomic>
+#include <cstring>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -53,8 +55,15 @@ class SumLayer {
     TileBlock out;
     out.entry.layer = Layer::heights;
     out.entry.id = node.id;
-    out.entry.flags = kConstant;
     out.entry.min_quanta = out.entry.max_quanta = static_cast<std::int32_t>(node.sum);
+    // Blocks of different lengths, no two of them equal; some tiles have none.
+    if (node.sum % 6 == 0) {
+      out.entry.flags = kConstant;
+      return out;
+    }
+    out.block.resize(static_cast<std::size_t>(12 + node.sum % 50));
+    const std::int32_t place[] = {node.id.level, node.id.x, node.id.y};
+    std::memcpy(out.block.data(), place, sizeof place);
     return out;
   }
   void save_state(const Node& node, std::vector<std::byte>& out) const {
@@ -155,7 +164,9 @@ TEST_CASE("a pyramid merges every child once and hands out each parent after its
         CHECK(node->sum == expected.at(node->id));
         if (node->children > 0) CHECK(node->children == tree.children_of(node->id));
         if (node->id.level == tree.top()) break;
-        node = pyramid.merge(*node);
+        auto merged = pyramid.merge(*node, std::nullopt);
+        node.reset();
+        if (merged) node = std::move(merged->parent);
       }
     }
   }
@@ -187,6 +198,33 @@ TEST_CASE("a layer's pack has every tile that is not pruned, children before par
     }
     CHECK(stored == even);
   }
+}
+
+TEST_CASE("the stored children of a tile lie side by side in the pack, in the order of their quadrants") {
+  const test::TempDir dir;
+  const fs::path target = dir.path() / "sums.cairn";
+  REQUIRE(bake_sums(target, false, 2, kAllCalls).status.ok());
+  const auto pack = PackReader::open(target);
+  REQUIRE(pack.ok());
+  std::set<TileId> parents;
+  for (std::size_t i = 0; i < pack->entry_count(); ++i) {
+    const IndexEntry entry = pack->entry(i);
+    if (entry.id.level > small_tree().top()) parents.insert(parent_of(entry.id));
+  }
+  std::size_t groups = 0;
+  for (const TileId& parent : parents) {
+    std::optional<std::uint64_t> end;
+    for (int q = 0; q < 4; ++q) {
+      const TileId id = child_of(parent, q);
+      const auto entry = is_valid(id) ? pack->find(Layer::heights, id) : std::nullopt;
+      if (!entry || entry->bytes == 0) continue;
+      INFO("child " << to_string(id));
+      if (end) CHECK(entry->offset == *end);
+      groups += end ? 1 : 0;
+      end = entry->offset + entry->bytes;
+    }
+  }
+  CHECK(groups > 0);
 }
 
 TEST_CASE("a layer cancelled after any unit is resumed to equal bytes") {
