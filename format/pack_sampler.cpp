@@ -81,6 +81,11 @@ std::optional<double> interpolate(const HeightTile& tile, const TilePlace& place
   return sum;
 }
 
+/// Whether the place lies in a tile, not on its edge.
+bool is_inside(const TilePlace& place, const WorldExtent& extent) {
+  return place.column > 0 && place.column < extent.east && place.row > 0 && place.row < extent.north;
+}
+
 }  // namespace
 
 struct PackSampler::State {
@@ -99,7 +104,7 @@ struct PackSampler::State {
   };
 
   Result<const HeightTile*> tile(const IndexEntry& entry);
-  Result<std::optional<IndexEntry>> find_tile(TilePlace first, LonLat place, int coarsest, TilePlace& at);
+  Result<std::optional<IndexEntry>> find_tile(LonLat place, int finest, int coarsest, TilePlace& at);
 
   const PackReader* reader;
   std::size_t most_tiles;
@@ -122,21 +127,20 @@ Result<const HeightTile*> PackSampler::State::tile(const IndexEntry& entry) {
 }
 
 /// Returns the tile that gives the height, now the first of the cache, and in `at` where the place lies in
-/// it. `first` is the place in the tile of the finest level that is used.
-Result<std::optional<IndexEntry>> PackSampler::State::find_tile(TilePlace first, LonLat place, int coarsest,
+/// it.
+Result<std::optional<IndexEntry>> PackSampler::State::find_tile(LonLat place, int finest, int coarsest,
                                                                 TilePlace& at) {
   const int intervals = reader->header().tile_size - 1;
-  const auto is_inside = [&](const WorldExtent& extent) {
-    return first.column > 0 && first.column < extent.east && first.row > 0 && first.row < extent.north;
-  };
-  if (asked && asked->id == first.id && asked->coarsest == coarsest && is_inside(asked->extent)) {
-    if (asked->found)
-      at = asked->found->id == first.id ? first : place_in(asked->found->id, place, intervals);
-    return asked->found;
+  if (asked && asked->id.level == finest && asked->coarsest == coarsest) {
+    at = place_in(asked->id, place, intervals);  // on an edge where it lies outside
+    if (is_inside(at, asked->extent)) {
+      if (asked->found && asked->found->id != asked->id) at = place_in(asked->found->id, place, intervals);
+      return asked->found;
+    }
   }
   asked.reset();
   std::optional<IndexEntry> found;
-  for (int l = first.id.level; l >= coarsest && !found; --l) {
+  for (int l = finest; l >= coarsest && !found; --l) {
     const Candidates candidates = candidates_at(place, l, intervals);
     for (std::size_t i = 0; i < candidates.count && !found; ++i) {
       at = candidates.places[i];
@@ -146,8 +150,9 @@ Result<std::optional<IndexEntry>> PackSampler::State::find_tile(TilePlace first,
   if (found) {
     if (const auto read = tile(*found); !read) return read.error();
   }
-  const WorldExtent extent = world_extent(first.id, intervals + 1);
-  if (is_inside(extent)) asked = Asked{first.id, extent, coarsest, found};
+  const TileId first = tile_at(place, finest);
+  const WorldExtent extent = world_extent(first, intervals + 1);
+  if (is_inside(place_in(first, place, intervals), extent)) asked = Asked{first, extent, coarsest, found};
   return found;
 }
 
@@ -167,8 +172,8 @@ Result<std::optional<PackSampler::Height>> PackSampler::height_at(LonLat place, 
   finest = std::min(finest, range->finest);
   coarsest = std::max(coarsest, range->coarsest);
   if (finest < coarsest) return Answer();
-  TilePlace at = place_in(tile_at(place, finest), place, reader.header().tile_size - 1);
-  const auto entry = state_->find_tile(at, place, coarsest, at);
+  TilePlace at;
+  const auto entry = state_->find_tile(place, finest, coarsest, at);
   if (!entry) return entry.error();
   if (!*entry) return Answer();
   const std::optional<double> quanta = interpolate(state_->cache.front().tile, at);

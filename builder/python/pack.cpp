@@ -16,18 +16,17 @@ constexpr std::size_t kCachedTiles = 32;  // of a sampler: 1 MiB each
 std::vector<std::uint32_t> by_tile(std::span<const double> lon, std::span<const double> lat, int level) {
   std::unordered_map<TileId, std::uint32_t> groups;
   std::vector<std::uint32_t> group_of(lon.size(), 0), counts{0};
-  TileId last{kMaxLevel + 1, 0, 0};
+  GeoBounds last{0, 0, -1, -1};  // of the tile that the last place was in
   std::uint32_t last_group = 0;
   for (std::size_t i = 0; i < lon.size(); ++i) {
-    if (std::isfinite(lon[i]) && std::abs(lat[i]) <= 90) {
-      const TileId id = tile_at({lon[i], lat[i]}, level);
-      if (id != last) {
-        const auto [at, is_new] = groups.try_emplace(id, static_cast<std::uint32_t>(counts.size()));
-        if (is_new) counts.push_back(0);
-        last = id;
-        last_group = at->second;
-      }
+    if (lon[i] >= last.west && lon[i] < last.east && lat[i] >= last.south && lat[i] < last.north) {
       group_of[i] = last_group;
+    } else if (std::isfinite(lon[i]) && std::abs(lat[i]) <= 90) {
+      const TileId id = tile_at({lon[i], lat[i]}, level);
+      const auto [at, is_new] = groups.try_emplace(id, static_cast<std::uint32_t>(counts.size()));
+      if (is_new) counts.push_back(0);
+      last = tile_bounds(id);
+      group_of[i] = last_group = at->second;
     }
     ++counts[group_of[i]];
   }
