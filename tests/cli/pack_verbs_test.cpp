@@ -98,7 +98,7 @@ TEST_CASE("info prints the promised keys as JSON, and the same as text") {
   const auto ran = run_cairn({"info", pack.name(), "--json"});
   REQUIRE(ran.exit_code == 0);
   const json info = json::parse(ran.out);
-  CHECK(info.at("format_version") == 1);
+  CHECK(info.at("format_version") == kPackVersion);
   CHECK(info.at("tile_size") == 257);
   CHECK(info.at("quantum_m") == 0.25);
   CHECK(info.at("vertical_datum") == "egm96");
