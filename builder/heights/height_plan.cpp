@@ -6,13 +6,32 @@
 namespace cairn {
 namespace {
 
-// Where the mosaic has something, and the region asks for it.
+// The finest level of the leaves that lie across the region's rim, below a tile.
+int finest_across_rim(const Mosaic& mosaic, const Footprint& wanted, const TileId& id) {
+  const GeoBounds bounds = without_overhang(tile_bounds(id));
+  if (!is_valid(id) || !wanted.overlaps(bounds) || wanted.contains(bounds)) return kMinLevel;
+  const auto level = mosaic.leaf_level(id);
+  if (!level) return kMinLevel;
+  if (*level <= id.level) return id.level;
+  int finest = kMinLevel;
+  for (int q = 0; q < 4; ++q) finest = std::max(finest, finest_across_rim(mosaic, wanted, child_of(id, q)));
+  return finest;
+}
+
+// Where the mosaic has something, and the region asks for it. All leaves across the region's rim have one
+// level: a coarse one reaches farther beyond the rim than a fine one beside it, and their parents would
+// differ along the edge between them.
 TileTree::LeafLevel leaf_level_in(const Mosaic& mosaic, const std::optional<GeoBounds>& region) {
   if (!region) return [&mosaic](const TileId& id) { return mosaic.leaf_level(id); };
   Footprint wanted;
   wanted.add(*region);
-  return [&mosaic, wanted](const TileId& id) {
-    return wanted.overlaps(without_overhang(tile_bounds(id))) ? mosaic.leaf_level(id) : std::nullopt;
+  const int at_rim = finest_across_rim(mosaic, wanted, {kMinLevel, 0, 0});
+  return [&mosaic, wanted, at_rim](const TileId& id) -> std::optional<int> {
+    const GeoBounds bounds = without_overhang(tile_bounds(id));
+    if (!wanted.overlaps(bounds)) return std::nullopt;
+    const auto level = mosaic.leaf_level(id);
+    if (!level || wanted.contains(bounds)) return level;
+    return std::max(*level, at_rim);
   };
 }
 
