@@ -11,4 +11,7 @@ inline double fade_weight(double beyond, double fade) {
   return t * t * (3 - 2 * t);
 }
 
+/// Posts over which a group fades into its voids, at most: all of them have to be read around each tile.
+inline constexpr double kMostFadePosts = 256;
+
 }  // namespace cairn

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <memory>
 
 #include "builder/mosaic/fade_weight.h"
 #include "builder/mosaic/fill_in_posts.h"
+#include "builder/voids/void_distance.h"
 #include "format/simd_clones.h"
 
 namespace cairn {
@@ -37,35 +37,6 @@ CAIRN_SIMD_CLONES bool all_have_values(const std::vector<std::uint16_t>& owners)
 
 bool any_filled(const std::vector<SampleState>& states) {
   return std::find(states.begin(), states.end(), SampleState::filled) != states.end();
-}
-
-// By post: how many posts it is to the nearest one with a value, along the axis where it is farther; `most`
-// where it is that or more.
-std::vector<int> distances_to_values(const PostBlock& block, int most) {
-  std::vector<int> along_rows(block.owners.size(), most);
-  const auto sweep = [&](int r, int first, int step) {
-    int distance = most;
-    for (int c = first; c >= 0 && c < block.columns; c += step) {
-      distance = PostBlock::has_value(block.owners[block.index(c, r)]) ? 0 : std::min(distance + 1, most);
-      int& least = along_rows[block.index(c, r)];
-      least = std::min(least, distance);
-    }
-  };
-  for (int r = 0; r < block.rows; ++r) {
-    sweep(r, 0, 1);
-    sweep(r, block.columns - 1, -1);
-  }
-  std::vector<int> distances(along_rows);
-  for (int r = 0; r < block.rows; ++r) {
-    for (int other = std::max(r - most, 0); other <= std::min(r + most, block.rows - 1); ++other) {
-      const int apart = std::abs(other - r);
-      for (int c = 0; c < block.columns; ++c) {
-        int& least = distances[block.index(c, r)];
-        least = std::min(least, std::max(apart, along_rows[block.index(c, other)]));
-      }
-    }
-  }
-  return distances;
 }
 
 IndexRange hull(IndexRange a, IndexRange b) {
@@ -143,7 +114,7 @@ LatticeGroup::LatticeGroup(RasterPool& pool, const Geoid* geoid, const Lattice& 
 void LatticeGroup::set_reach(double solid_degrees, double fade_degrees) {
   const double densest = std::max(lattice_.lon.posts_per_degree, lattice_.lat.posts_per_degree);
   solid_posts_ = solid_degrees * densest;
-  fade_posts_ = fade_degrees * densest;
+  fade_posts_ = std::min(fade_degrees * densest, kMostFadePosts);
   fill_.set_reach(static_cast<std::int64_t>(std::ceil(solid_posts_)));
 }
 
@@ -246,13 +217,7 @@ Result<std::vector<float>> LatticeGroup::fill_weights(const SampleWindow& window
   weights.reserve(window.count());
   for (const double y : places(lat_positions_, window.row, window.rows, block->j0)) {
     for (const double x : xs) {
-      const auto c = static_cast<int>(x), r = static_cast<int>(y);
-      const double u = x - c, v = y - r;
-      const auto at = [&](int i, int j) {
-        return static_cast<double>(distances[block->index(c + i, r + j)]);
-      };
-      const double distance =
-          (1 - v) * ((1 - u) * at(0, 0) + u * at(1, 0)) + v * ((1 - u) * at(0, 1) + u * at(1, 1));
+      const double distance = distance_at(*block, distances, x, y);
       weights.push_back(static_cast<float>(fade_weight(distance - solid_posts_, fade_posts_)));
     }
   }

@@ -8,8 +8,10 @@
 #include <limits>
 #include <utility>
 
+#include "builder/mosaic/fade_weight.h"
 #include "builder/mosaic/fill_in_posts.h"
 #include "builder/raster/raster_placement.h"
+#include "builder/voids/void_distance.h"
 
 namespace cairn {
 namespace {
@@ -53,6 +55,10 @@ SampleState state_at(const PlanePoint& position, const PostBlock& posts) {
   const auto r1 = static_cast<int>(static_cast<std::int64_t>(std::ceil(position.y)) - posts.j0);
   return std::max({state_of(posts.owners[posts.index(c0, r0)]), state_of(posts.owners[posts.index(c1, r0)]),
                    state_of(posts.owners[posts.index(c0, r1)]), state_of(posts.owners[posts.index(c1, r1)])});
+}
+
+bool has_filled(const SampleState* states, std::size_t count) {
+  return states != nullptr && std::find(states, states + count, SampleState::filled) != states + count;
 }
 
 }  // namespace
@@ -316,6 +322,37 @@ void ProjectedGroup::take_block(const SampleWindow& from, const Block& block, co
   }
 }
 
+void ProjectedGroup::set_reach(double solid_degrees, double fade_degrees) {
+  solid_posts_ = solid_degrees / spacing_degrees_;
+  fade_posts_ = std::min(fade_degrees / spacing_degrees_, kMostFadePosts);
+}
+
+// The fade of a void's fill from its rim inwards, for the window's samples that lie in a block.
+Status ProjectedGroup::add_fill_weights(const SampleWindow& block, const SampleWindow& window,
+                                        GroupSamples& samples) const {
+  samples.fill_weights.resize(window.count(), 0.0F);
+  const SamplePositions positions = resampler_.positions_of(grown(block, 0));
+  if (positions.posts.count() <= 0) return {};
+  const auto reach = static_cast<std::int64_t>(std::ceil(solid_posts_ + fade_posts_)) + 1;
+  const auto posts = read_posts({positions.posts.x.first - reach, positions.posts.x.last + reach},
+                                {positions.posts.y.first - reach, positions.posts.y.last + reach});
+  if (!posts) return posts.error();
+  const std::vector<int> distances = distances_to_values(*posts, static_cast<int>(reach));
+  const std::int64_t east = std::min(block.column + block.columns, window.column + window.columns);
+  const std::int64_t north = std::min(block.row + block.rows, window.row + window.rows);
+  for (std::int64_t r = std::max(block.row, window.row); r < north; ++r) {
+    for (std::int64_t c = std::max(block.column, window.column); c < east; ++c) {
+      const PlanePoint& at = positions.at[positions.samples.offset(c, r)];
+      if (std::isnan(at.x)) continue;
+      const double distance = distance_at(*posts, distances, at.x - static_cast<double>(posts->i0),
+                                          at.y - static_cast<double>(posts->j0));
+      samples.fill_weights[static_cast<std::size_t>((r - window.row) * window.columns + c - window.column)] =
+          static_cast<float>(fade_weight(distance - solid_posts_, fade_posts_));
+    }
+  }
+  return {};
+}
+
 Result<GroupSamples> ProjectedGroup::sample(const SampleWindow& window) const {
   assert(window.samples_per_degree == samples_per_degree_);
   GroupSamples samples;
@@ -327,7 +364,11 @@ Result<GroupSamples> ProjectedGroup::sample(const SampleWindow& window) const {
     for (std::int64_t bx = floor_divide(window.column, block_side_); bx * block_side_ < east; ++bx) {
       const auto block = block_at(bx, by);
       if (!block) return block.error();
-      if (!block->is_empty()) take_block(window_of_block(bx, by), *block, window, samples);
+      if (block->is_empty()) continue;
+      take_block(window_of_block(bx, by), *block, window, samples);
+      if (fade_posts_ == 0 || !has_filled(block->states(), block->count)) continue;
+      if (auto status = add_fill_weights(window_of_block(bx, by), window, samples); !status)
+        return status.error();
     }
   }
   if (auto status = add_posts(window, samples.posts); !status) return status.error();

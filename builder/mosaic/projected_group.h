@@ -43,7 +43,7 @@ class ProjectedGroup final : public SourceGroup {
                  ResampleMethod method, double tolerance_m, std::shared_ptr<ChunkCache> blocks,
                  std::uint64_t number);
 
-  void set_reach(double /*solid*/, double /*fade*/) override {}  // it ends where its posts end
+  void set_reach(double solid_degrees, double fade_degrees) override;
   NearestPlace nearest_within(const GeoBounds& bounds, double margin) const override;
   Result<MeasuredPosts> posts(const SampleWindow& window) const override;
   Result<GroupSamples> sample(const SampleWindow& window) const override;
@@ -77,6 +77,7 @@ class ProjectedGroup final : public SourceGroup {
                             std::span<const std::uint8_t> met) const;
   void take_block(const SampleWindow& from, const Block& block, const SampleWindow& window,
                   GroupSamples& samples) const;
+  Status add_fill_weights(const SampleWindow& block, const SampleWindow& window, GroupSamples& samples) const;
   LonLat nearest_to(LonLat place, const std::vector<IndexWindow>& extents) const;
   Status add_posts(const SampleWindow& window, MeasuredPosts& posts) const;
 
@@ -87,7 +88,9 @@ class ProjectedGroup final : public SourceGroup {
   std::int64_t block_side_;
   double samples_per_degree_;
   ResampleMethod method_;
-  double tolerance_m_;       // of the fit
+  double tolerance_m_;      // of the fit
+  double solid_posts_ = 1;  // see set_reach()
+  double fade_posts_ = 0;
   bool is_shifted_ = false;  // some member's posts lie a little off the grid's
   ProjectedResampler resampler_;
   LatticeFill fill_;
