@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -11,6 +12,8 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "builder/app/datum_shift.h"
+#include "builder/app/one_of.h"
 #include "builder/app/points_csv.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
@@ -34,6 +37,7 @@ struct SampleOptions {
   std::string points;
   std::vector<std::string> columns;
   std::optional<int> level;
+  DatumShift::To datum = DatumShift::To::stored;
   bool json = false;
 };
 
@@ -101,7 +105,13 @@ void print_rows(const PointsCsv& csv, const std::vector<CsvPoint>& points, const
   }
 }
 
-int sample_points(const PackReader& pack, std::istream& in, const SampleOptions& options) {
+void shift_heights(const DatumShift& shift, const std::vector<CsvPoint>& points, Heights& heights) {
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (heights[i]) heights[i]->metres += shift.at(*points[i].place);
+}
+
+int sample_points(const PackReader& pack, const DatumShift& shift, std::istream& in,
+                  const SampleOptions& options) {
   PackSampler sampler(pack, kCachedTiles);
   PointsCsv csv(in, options.points, options.columns);
   const char* separator = "[\n";
@@ -110,8 +120,9 @@ int sample_points(const PackReader& pack, std::istream& in, const SampleOptions&
     if (!points) return report_error(points.error());
     if (first && !options.json) print_header(csv);
     if (points->empty()) break;
-    const Result<Heights> heights = sample_batch(pack, sampler, *points, options.level);
+    Result<Heights> heights = sample_batch(pack, sampler, *points, options.level);
     if (!heights) return report_error(heights.error());
+    shift_heights(shift, *points, *heights);
     if (!options.json) {
       print_rows(csv, *points, *heights);
       continue;
@@ -129,11 +140,12 @@ int sample_points(const PackReader& pack, std::istream& in, const SampleOptions&
   return complaints.empty() ? 0 : static_cast<int>(ErrorCode::bad_data);
 }
 
-int sample_place(const PackReader& pack, const SampleOptions& options) {
+int sample_place(const PackReader& pack, const DatumShift& shift, const SampleOptions& options) {
   PackSampler sampler(pack, 1);
   const LonLat place{*options.lon, *options.lat};
-  const auto height = height_at(sampler, place, options.level);
+  auto height = height_at(sampler, place, options.level);
   if (!height) return report_error(height.error());
+  if (*height) (*height)->metres += shift.at(place);
   if (options.json) {
     fmt::print("{}\n", point_json(place, *height).dump());
   } else {
@@ -148,11 +160,13 @@ int run_sample(const SampleOptions& options) {
   }
   const Result<PackReader> pack = open_pack(options.pack);
   if (!pack) return report_error(pack.error());
-  if (options.lat) return sample_place(*pack, options);
-  if (options.points == "-") return sample_points(*pack, std::cin, options);
+  const Result<DatumShift> shift = DatumShift::open(*pack, options.datum);
+  if (!shift) return report_error(shift.error());
+  if (options.lat) return sample_place(*pack, *shift, options);
+  if (options.points == "-") return sample_points(*pack, *shift, std::cin, options);
   std::ifstream file(options.points);
   if (!file) return report_error(failed(options.points + ": cannot be opened"));
-  return sample_points(*pack, file, options);
+  return sample_points(*pack, *shift, file, options);
 }
 
 }  // namespace
@@ -174,6 +188,13 @@ void add_sample(CLI::App& app, int& exit_code) {
       ->expected(2);
   verb->add_option("--level", options->level, "Ask this level only, not the finest there is")
       ->check(CLI::Range(kMinLevel, kMaxLevel));
+  const std::map<std::string, DatumShift::To> datums{{"ellipsoid", DatumShift::To::ellipsoid},
+                                                     {"orthometric", DatumShift::To::orthometric}};
+  verb->add_option(
+          "--datum", options->datum,
+          "What heights are printed above: the ellipsoid, or the geoid EGM96 (orthometric); by default "
+          "what the pack's are above")
+      ->transform(one_of(datums));
   verb->add_flag("--json", options->json, "Print JSON");
   verb->callback([options, &exit_code] { exit_code = run_sample(*options); });
 }
