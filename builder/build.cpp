@@ -28,7 +28,7 @@ constexpr std::string_view kAccuracy = "accuracy: ";  // how the error of an exc
 PackHeader header_for(const BakePlan& layers, const BuildOptions& options) {
   PackHeader header;
   header.tile_size = static_cast<std::uint16_t>(options.grid.tile_size);
-  header.vertical_datum = options.mosaic.geoid ? VerticalDatum::ellipsoid : options.mosaic.datum;
+  if (layers.heights) header.vertical_datum = layers.heights->datum().datum;
   if (layers.plan) header.quantum_m = layers.plan->quantum_m();
   return header;
 }

@@ -68,6 +68,8 @@ void write(Json& json, const char* key, const std::optional<T>& value) {
   if (!value) return;
   if constexpr (std::is_same_v<T, GeoBounds>) {
     json[key] = json_of(*value);
+  } else if constexpr (std::is_enum_v<T>) {
+    json[key] = word_for(*value);
   } else {
     json[key] = *value;
   }
@@ -91,6 +93,8 @@ class OptionReader {
       if (!bounds.status_) status_ = bounds.status_;
     } else if constexpr (std::is_enum_v<T>) {
       read_word(key, *member, value);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      member->is_string() ? void(value = member->template get<std::string>()) : expect(key, "text", *member);
     } else if constexpr (std::is_same_v<T, int>) {
       member->is_number_integer() ? void(value = member->template get<int>())
                                   : expect(key, "a whole number", *member);
@@ -142,18 +146,58 @@ Json json_of(const ImageryOptions& o) {
   return json;
 }
 
+Status read_source_rules(const OptionReader& reader, std::vector<SourceRule>& rules) {
+  const nlohmann::json* sources = reader.find("sources");
+  if (sources == nullptr) return {};
+  if (!sources->is_array()) return bad_data("options: sources: expected an array, found another type");
+  for (const nlohmann::json& source : *sources) {
+    if (!source.is_object()) return bad_data("options: sources: expected objects, found another type");
+    OptionReader said(source);
+    SourceRule& rule = rules.emplace_back();
+    said.read("pattern", rule.glob);
+    said.read("band", rule.overrides.band);
+    said.read("nodata", rule.overrides.nodata);
+    said.read("scale", rule.overrides.scale);
+    said.read("offset", rule.overrides.offset);
+    said.read("unit", rule.overrides.unit);
+    said.read("crs", rule.overrides.crs);
+    said.read("priority", rule.overrides.priority);
+    if (!said.status()) return said.status();
+  }
+  return {};
+}
+
 }  // namespace
+
+nlohmann::ordered_json to_json(const SourceOverrides& said) {
+  const auto& [band, nodata, scale, offset, unit, crs, priority] = said;
+  Json json = Json::object();
+  write(json, "band", band);
+  write(json, "nodata", nodata);
+  write(json, "scale", scale);
+  write(json, "offset", offset);
+  write(json, "unit", unit);
+  write(json, "crs", crs);
+  write(json, "priority", priority);
+  return json;
+}
 
 // The structures are taken apart so that a member which is added to one stops the compilation here.
 nlohmann::ordered_json to_json(const BuildOptions& options) {
   const auto& [grid, mosaic, heights, imagery, session] = options;
   const auto& [tile_size, top, region] = grid;
-  const auto& [dems, level, max_error_m, resampling, datum, geoid] = mosaic;
+  const auto& [dems, level, max_error_m, resampling, datum, geoid, source_rules, fade_posts] = mosaic;
   const auto& [quantum_m, allow_error, voids, rqt_tolerance_m] = heights;
   Json json{{"tile_size", tile_size},
             {"resampling", word_for(resampling)},
             {"void", word_for(voids)},
-            {"datum", word_for(datum)}};
+            {"fade", fade_posts}};
+  write(json, "datum", datum);
+  for (const SourceRule& rule : source_rules) {
+    Json said = to_json(rule.overrides);
+    said["pattern"] = rule.glob;
+    json["sources"].push_back(said);
+  }
   write(json, "level", level);
   write(json, "top", top);
   write(json, "region", region);
@@ -176,6 +220,8 @@ Result<BuildOptions> from_json(const nlohmann::json& json) {
   reader.read("max_error", options.mosaic.max_error_m);
   reader.read("resampling", options.mosaic.resampling);
   reader.read("datum", options.mosaic.datum);
+  reader.read("fade", options.mosaic.fade_posts);
+  if (auto rules = read_source_rules(reader, options.mosaic.source_rules); !rules) return rules.error();
   reader.read("quantum", options.heights.quantum_m);
   reader.read("void", options.heights.voids);
   reader.read("rqt", options.heights.rqt_tolerance_m);

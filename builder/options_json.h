@@ -14,6 +14,9 @@ namespace cairn {
 /// give the same pack.
 nlohmann::ordered_json to_json(const BuildOptions& options);
 
+/// What is said of a source; an empty object where nothing is.
+nlohmann::ordered_json to_json(const SourceOverrides& said);
+
 /// The options that JSON of to_json() states, others at their defaults; what the JSON lacks is at its
 /// default, too. bad_data names a value of the wrong type or a word that is none of an option's.
 Result<BuildOptions> from_json(const nlohmann::json& json);

@@ -52,6 +52,9 @@ Json source_of(const RasterInfo& info, std::uint64_t hash) {
     source["crs"] = transform->name();
     source["operation"] = transform->operation();
   }
+  if (!info.unit.empty()) source["unit"] = info.unit;
+  if (info.vertical) source["vertical_crs"] = info.vertical->name;
+  if (info.overrides != SourceOverrides{}) source["overrides"] = to_json(info.overrides);
   return source;
 }
 
@@ -78,15 +81,21 @@ bool touches_region(const std::optional<GeoBounds>& region, const GeoBounds& bou
   return wanted.overlaps(bounds);
 }
 
-// Sources of which no post is in the pack are not named. `hashes` are those of all inputs, the DEMs' first.
+std::uint64_t count_of(const std::vector<std::uint64_t>& counts, std::size_t source) {
+  return source < counts.size() ? counts[source] : 0;
+}
+
+// Sources of which no post lies where tiles are baked are not named. `hashes` are those of all inputs, the
+// DEMs' first.
 Json sources_of(const Mosaic& mosaic, const HeightSummary& heights,
                 const std::vector<std::uint64_t>& hashes) {
   Json sources = Json::array();
   for (std::size_t s = 0; s < mosaic.pool().size(); ++s) {
-    if (s >= heights.posts_used.size() || heights.posts_used[s] == 0) continue;
+    const std::uint64_t used = count_of(heights.posts_used, s), lost = count_of(heights.posts_lost, s);
+    if (used == 0 && lost == 0) continue;
     Json source = source_of(mosaic.pool().info(s), hashes[s]);
-    source["posts_used"] = heights.posts_used[s];
-    source["posts_lost"] = s < heights.posts_lost.size() ? heights.posts_lost[s] : 0;
+    source["posts_used"] = used;
+    source["posts_lost"] = lost;
     sources.push_back(std::move(source));
   }
   return sources;
@@ -149,7 +158,9 @@ Result<std::string> describe_pack(const BakePlan& layers, const BuildOptions& op
     meta["grid"]["top"] = layers.plan->top();
     meta["grid"]["finest"] = layers.plan->finest();
   }
-  meta["vertical_datum"] = to_string(options.mosaic.geoid ? VerticalDatum::ellipsoid : options.mosaic.datum);
+  const MosaicDatum datum = layers.heights ? layers.heights->datum() : MosaicDatum{};
+  meta["vertical_datum"] = to_string(datum.datum);
+  if (!datum.vertical_crs.empty()) meta["vertical_crs"] = datum.vertical_crs;
   meta["bounds"] = json_of(cut_to(options.grid.region, layers.bounds()));
   if (layers.plan) {
     meta["error_bound_m"] = layers.plan->error_bound_m();

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <memory>
@@ -11,11 +12,13 @@
 #include "builder/app/interrupt.h"
 #include "builder/app/one_of.h"
 #include "builder/app/report_error.h"
+#include "builder/app/source_options.h"
 #include "builder/app/verbs.h"
 #include "builder/bake/memory_budget.h"
 #include "builder/bake/output_check.h"
 #include "builder/raster/expand_inputs.h"
 #include "builder/raster/raster_source.h"
+#include "builder/raster/source_overrides.h"
 #include "cairn/bake_estimate.h"
 #include "cairn/build.h"
 
@@ -27,6 +30,7 @@ struct BakeArguments {
   BuildOptions options;
   std::vector<std::string> images;
   std::vector<double> region;
+  SourceArguments sources;
   std::vector<double> image_bounds;
   std::string level = "auto";
   std::string report;
@@ -81,6 +85,16 @@ Status find_inputs(const std::vector<std::string>& arguments, const InputSearch&
   return {};
 }
 
+/// A pattern of --sources that no DEM matches is a slip of the pen.
+Status check_rules(const MosaicOptions& mosaic) {
+  for (const SourceRule& rule : mosaic.source_rules) {
+    const auto matches = [&](const std::filesystem::path& dem) { return matches_glob(dem, rule.glob); };
+    if (std::any_of(mosaic.inputs.begin(), mosaic.inputs.end(), matches)) continue;
+    return usage_error(fmt::format("--sources: expected patterns that DEMs match, found {}", rule.glob));
+  }
+  return {};
+}
+
 Result<BuildOptions> options_from(const BakeArguments& arguments) {
   BuildOptions options = arguments.options;
   if (auto status = use_bounds("--region", arguments.region, options.grid.region); !status)
@@ -93,6 +107,13 @@ Result<BuildOptions> options_from(const BakeArguments& arguments) {
     return usage_error("bake: expected DEMs, or images after --imagery, found neither");
   if (auto status = find_inputs(arguments.inputs, arguments.search, options.mosaic.inputs); !status)
     return status.error();
+  auto dems = chosen_files(std::move(options.mosaic.inputs), arguments.sources);
+  if (!dems) return dems.error();
+  options.mosaic.inputs = std::move(*dems);
+  auto rules = source_rules(arguments.sources);
+  if (!rules) return rules.error();
+  options.mosaic.source_rules = std::move(*rules);
+  if (auto status = check_rules(options.mosaic); !status) return status.error();
   if (auto status = find_inputs(arguments.images, arguments.search, options.imagery.inputs); !status)
     return status.error();
   if (auto status = use_memory(arguments.memory_mib, options); !status) return status.error();
@@ -203,9 +224,13 @@ void add_datum_options(CLI::App& verb, BakeArguments& arguments) {
       ->transform(one_of(voids))
       ->default_str("fill");
   verb.add_option("--datum", o.mosaic.datum,
-                  "what the sources' heights are measured from: egm96, ellipsoid or unknown")
-      ->transform(one_of(datums))
-      ->default_str("unknown");
+                  "what the sources' heights are measured from: egm96, ellipsoid or unknown; by default what "
+                  "they say, which then has to be one datum")
+      ->transform(one_of(datums));
+  verb.add_option("--fade", o.mosaic.fade_posts,
+                  "posts of the source beneath over which the difference of a finer one fades beyond its rim")
+      ->check(CLI::Range(0.0, 1e4))
+      ->capture_default_str();
   verb.add_option("--geoid", arguments.geoid,
                   "raster of geoid undulations to add, so that heights are ellipsoidal")
       ->check(CLI::ExistingFile);
@@ -273,6 +298,7 @@ void add_bake(CLI::App& app, int& exit_code) {
                    "also store triangulations off by less than so many metres at the finest level")
       ->check(CLI::Range(1e-4, 1e4));
   add_datum_options(*verb, *arguments);
+  add_source_options(*verb, arguments->sources);
   add_imagery_options(*verb, *arguments);
   add_work_options(*verb, *arguments);
   verb->callback([arguments, &exit_code] {

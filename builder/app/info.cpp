@@ -81,6 +81,11 @@ void print_sources(const char* kind, const Json& sources) {
       fmt::print("  {:.0f} posts won", won);
     if (const double lost = number(source, "posts_lost"); lost > 0)
       fmt::print(", {:.0f} lost to other sources", lost);
+    for (const char* key : {"crs", "vertical_crs", "unit"})
+      if (named && source.contains(key) && source.at(key).is_string())
+        fmt::print(", {}", source.at(key).get<std::string>());
+    if (named && source.contains("overrides"))
+      fmt::print(", told {}", source.at("overrides").dump(-1, ' ', false, Json::error_handler_t::replace));
     fmt::print("\n");
   }
 }

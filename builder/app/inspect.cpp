@@ -24,6 +24,20 @@ struct InspectOptions {
   bool json = false;
 };
 
+std::string crs_name(const Georeference& g) {
+  switch (g.crs) {
+    case Georeference::Crs::geographic:
+      return "longitude and latitude";
+    case Georeference::Crs::utm:
+      return fmt::format("UTM zone {}{}", g.utm_zone, g.utm_north ? "N" : "S");
+    case Georeference::Crs::web_mercator:
+      return "Web Mercator";
+    case Georeference::Crs::other:
+      break;
+  }
+  return g.transform ? g.transform->name() : g.definition;
+}
+
 Json describe(const RasterInfo& info) {
   const LonLat first = info.georeference.place_of(0, 0), next = info.georeference.place_of(1, 1);
   Json json{{"name", info.path.string()},
@@ -40,6 +54,9 @@ Json describe(const RasterInfo& info) {
             {"first_post", {{"lon", first.lon}, {"lat", first.lat}}},
             {"spacing_degrees", {{"lon", next.lon - first.lon}, {"lat", next.lat - first.lat}}}};
   json["nodata"] = info.nodata ? Json(*info.nodata) : Json();
+  json["crs"] = crs_name(info.georeference);
+  json["vertical_crs"] = info.vertical ? Json(info.vertical->name) : Json();
+  json["unit"] = info.unit.empty() ? "m" : info.unit;
   return json;
 }
 
@@ -77,6 +94,8 @@ void print_text(const RasterInfo& info, const RasterFindings& found) {
   fmt::print("  west {} south {} east {} north {}, about {:.6g} x {:.6g} degrees from post to post\n",
              info.bounds.west, info.bounds.south, info.bounds.east, info.bounds.north, next.lon - first.lon,
              first.lat - next.lat);
+  fmt::print("  CRS: {}; heights in {} above {}\n", crs_name(info.georeference),
+             info.unit.empty() ? "m" : info.unit, info.vertical ? info.vertical->name : "an unknown datum");
   if (found.voids == found.posts) {
     fmt::print("  all posts are void\n");
     return;

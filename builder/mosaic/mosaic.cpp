@@ -33,11 +33,16 @@ double default_error_bound(bool whole_metres) {
 Result<std::unique_ptr<Mosaic>> Mosaic::open(const MosaicOptions& options, int tile_size) {
   std::unique_ptr<Mosaic> mosaic(new Mosaic);
   mosaic->tile_size_ = tile_size;
-  auto pool = RasterPool::open(options.inputs, {.bounds = {}, .cache_bytes = kFirstCacheBytes},
-                               RasterPool::Content::heights);
+  OpenOptions open_options;
+  open_options.cache_bytes = kFirstCacheBytes;
+  open_options.rules = options.source_rules;
+  auto pool = RasterPool::open(options.inputs, open_options, RasterPool::Content::heights);
   if (!pool) return pool.error();
   mosaic->pool_ = std::move(*pool);
   if (auto dems = refuse_companions(*mosaic->pool_); !dems) return dems.error();
+  auto datum = vertical_datum_of(*mosaic->pool_, options.datum, options.geoid.has_value());
+  if (!datum) return datum.error();
+  mosaic->datum_ = std::move(*datum);
   if (options.geoid) {
     auto geoid = Geoid::open(*options.geoid);
     if (!geoid) return geoid.error();
@@ -77,7 +82,7 @@ void Mosaic::overlay_groups(const MosaicOptions& options) {
     bool lies_upon_any = false;
     for (std::size_t below = g + 1; below < groups_.size(); ++below) {
       const double spacing = groups_[below]->spacing_degrees();
-      const double fade = spacing;
+      const double fade = options.fade_posts * spacing;
       const auto& rectangles = groups_[below]->footprint().rectangles();
       const auto within = [&](double margin) {
         return std::any_of(rectangles.begin(), rectangles.end(),

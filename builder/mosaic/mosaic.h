@@ -8,6 +8,7 @@
 #include "builder/mosaic/geoid.h"
 #include "builder/mosaic/group_overlay.h"
 #include "builder/mosaic/source_group.h"
+#include "builder/mosaic/vertical_datum.h"
 #include "builder/raster/io/chunk_cache.h"
 #include "builder/raster/raster_pool.h"
 #include "cairn/mosaic_options.h"
@@ -25,7 +26,7 @@ struct MosaicTile {
 
 /// All sources of a bake as one surface. Groups of sources win over one another as wholes: those of finer
 /// posts first, then by the order on the command line. How they go over into one another says GroupOverlay.
-/// Beyond the rim of a group its difference from those beneath fades over one post of the coarsest of them;
+/// Beyond the rim of a group its difference from those beneath fades over posts of the coarsest of them;
 /// into its voids it fades as far.
 class Mosaic {
  public:
@@ -46,6 +47,8 @@ class Mosaic {
   GeoBounds bounds() const;
   bool is_global() const;
   bool whole_metres() const { return whole_metres_; }
+  /// What heights are measured from.
+  const MosaicDatum& datum() const { return datum_; }
   /// Samples for each post along an axis, the least of any source.
   double samples_per_post() const;
   /// How smooth resampling keeps the posts. Before any sample() only.
@@ -81,6 +84,7 @@ class Mosaic {
   std::vector<std::unique_ptr<SourceGroup>> groups_;                      // highest priority first
   std::optional<GroupOverlay> overlay_;                                   // a layer for each of them
   bool whole_metres_ = true;
+  MosaicDatum datum_;
 };
 
 }  // namespace cairn

@@ -16,6 +16,7 @@ constexpr double kFinestDefaultErrorBound = 0.05;
 
 struct LatticeMembers {
   Lattice lattice;
+  int priority = 0;
   std::vector<LatticeGroup::Member> members;
 };
 
@@ -39,21 +40,27 @@ int lattice_level(const Lattice& lattice, ResampleMethod resampling, int tile_si
   return level;
 }
 
-void add_to_lattice(std::vector<LatticeMembers>& lattices, std::size_t source,
+int priority_of(const RasterInfo& info) {
+  return info.overrides.priority.value_or(0);
+}
+
+void add_to_lattice(std::vector<LatticeMembers>& lattices, std::size_t source, int priority,
                     const LatticePlacement& placement) {
   for (LatticeMembers& l : lattices) {
-    if (l.members.size() + 2 >= PostBlock::kVoid) continue;
+    if (l.priority != priority || l.members.size() + 2 >= PostBlock::kVoid) continue;
     if (const auto rebased = rebase(placement, l.lattice)) {
       l.members.push_back({source, *rebased});
       return;
     }
   }
-  lattices.push_back({placement.lattice, {{source, placement}}});
+  lattices.push_back({placement.lattice, priority, {{source, placement}}});
 }
 
 // Sources that one grid holds, in the order of the command line.
-void add_to_grid(std::vector<ProjectedGroup::Grid>& grids, std::size_t source, const RasterInfo& info) {
+void add_to_grid(std::vector<ProjectedGroup::Grid>& grids, std::size_t source, const RasterPool& pool) {
+  const RasterInfo& info = pool.info(source);
   for (ProjectedGroup::Grid& grid : grids) {
+    if (priority_of(pool.info(grid.members.front().source)) != priority_of(info)) continue;
     if (grid.members.size() + 2 >= PostBlock::kVoid) continue;
     if (const auto placement = place_on_grid(info, grid.georeference)) {
       grid.members.push_back({source, *placement});
@@ -77,9 +84,9 @@ Result<std::vector<std::unique_ptr<SourceGroup>>> group_sources(RasterPool& pool
   std::vector<ProjectedGroup::Grid> grids;
   for (std::size_t s = 0; s < pool.size(); ++s) {
     if (const auto placement = place_on_lattice(pool.info(s))) {
-      add_to_lattice(lattices, s, *placement);
+      add_to_lattice(lattices, s, priority_of(pool.info(s)), *placement);
     } else {
-      add_to_grid(grids, s, pool.info(s));
+      add_to_grid(grids, s, pool);
     }
   }
   int finest = kMinLevel;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 namespace cairn {
@@ -29,11 +30,14 @@ struct Ranked {
   std::unique_ptr<SourceGroup> group;
   double spacing = 0;
   int fineness = 0;  // equal for spacings that count as equal; the finest first
+  int priority = 0;  // as the user says, of all its sources; the highest first
 };
 
 Ranked ranked(const RasterPool& pool, std::unique_ptr<SourceGroup> group) {
   Ranked rank{std::move(group)};
-  rank.spacing = spacing_m(pool.info(rank.group->sources().front()));
+  const RasterInfo& first = pool.info(rank.group->sources().front());
+  rank.spacing = spacing_m(first);
+  rank.priority = first.overrides.priority.value_or(0);
   return rank;
 }
 
@@ -54,8 +58,8 @@ void sort_by_priority(const RasterPool& pool, std::vector<std::unique_ptr<Source
     rank.fineness = fineness;
   }
   std::sort(ranks.begin(), ranks.end(), [](const Ranked& a, const Ranked& b) {
-    return std::pair(a.fineness, a.group->sources().front()) <
-           std::pair(b.fineness, b.group->sources().front());
+    return std::tuple(-a.priority, a.fineness, a.group->sources().front()) <
+           std::tuple(-b.priority, b.fineness, b.group->sources().front());
   });
   for (std::size_t g = 0; g < groups.size(); ++g) groups[g] = std::move(ranks[g].group);
 }

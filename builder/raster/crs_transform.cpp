@@ -9,7 +9,7 @@ namespace {
 
 using Transform = std::shared_ptr<const CrsTransform>;
 using OpenCrs = void (*)(const std::string& definition, double x, double y, Result<Transform>& out);
-using VerticalUnit = void (*)(int epsg, std::optional<double>& out);
+using FindVertical = void (*)(const std::string& definition, std::optional<VerticalCrs>& out);
 
 }  // namespace
 
@@ -24,12 +24,12 @@ Result<Transform> open_crs(const std::string& definition, double x, double y) {
   return out;
 }
 
-std::optional<double> metres_of_vertical_crs(int epsg) {
-  static const auto unit =
-      reinterpret_cast<VerticalUnit>(load_reader_plugin("cairn-proj", "cairn_metres_of_vertical_crs"));
-  std::optional<double> metres;
-  if (unit != nullptr) unit(epsg, metres);
-  return metres;
+std::optional<VerticalCrs> find_vertical_crs(const std::string& definition) {
+  static const auto find =
+      reinterpret_cast<FindVertical>(load_reader_plugin("cairn-proj", "cairn_find_vertical_crs"));
+  std::optional<VerticalCrs> found;
+  if (find != nullptr) find(definition, found);
+  return found;
 }
 
 }  // namespace cairn

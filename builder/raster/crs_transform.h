@@ -45,7 +45,15 @@ class CrsTransform {
 /// compared by address. bad_data says why PROJ has none ("CRS: expected …"), without a file's name.
 Result<std::shared_ptr<const CrsTransform>> open_crs(const std::string& definition, double x, double y);
 
-/// Metres of a vertical CRS's unit; 0 where it counts downwards, nullopt where PROJ has no such CRS.
-std::optional<double> metres_of_vertical_crs(int epsg);
+/// What a CRS says of heights.
+struct VerticalCrs {
+  std::string name;
+  double metres = 1;  ///< of its unit; 0 where it counts downwards
+  bool is_ellipsoidal = false;
+};
+
+/// The vertical part of a CRS: a vertical one itself, that of a compound one, the third dimension of a
+/// geographic or projected one. nullopt where it has none or PROJ does not know it.
+std::optional<VerticalCrs> find_vertical_crs(const std::string& definition);
 
 }  // namespace cairn

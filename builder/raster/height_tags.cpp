@@ -9,6 +9,22 @@
 
 namespace cairn {
 
+Status check_band(const std::filesystem::path& path, int bands, const SourceOverrides& overrides) {
+  const int band = overrides.band.value_or(1);
+  if (band >= 1 && band <= bands) return {};
+  return bad_data(fmt::format("{}: expected band {}, found {} band{}", path.string(), band, bands,
+                              bands == 1 ? "" : "s"));
+}
+
+void apply_overrides(const SourceOverrides& overrides, HeightTags& tags) {
+  if (overrides.nodata) tags.nodata = overrides.nodata;
+  tags.scale = overrides.scale.value_or(tags.scale);
+  tags.offset = overrides.offset.value_or(tags.offset);
+  if (!overrides.unit) return;
+  tags.unit = *overrides.unit;
+  tags.metres = metres_of_unit(tags.unit);
+}
+
 Result<HeightEncoding> height_encoding_of(const std::filesystem::path& path, SampleType type,
                                           const HeightTags& tags) {
   if (tags.metres == 0)

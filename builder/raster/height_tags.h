@@ -5,6 +5,7 @@
 #include <string>
 
 #include "builder/raster/height_encoding.h"
+#include "cairn/source_rule.h"
 #include "cairn/status.h"
 
 namespace cairn {
@@ -19,6 +20,12 @@ struct HeightTags {
   /// Metres of the unit; 0 where it is no length upwards that cairn knows.
   double metres = 1;
 };
+
+/// bad_data where the user asks for a band that a file of so many has not.
+Status check_band(const std::filesystem::path& path, int bands, const SourceOverrides& overrides);
+
+/// Puts what the user says in place of the tags.
+void apply_overrides(const SourceOverrides& overrides, HeightTags& tags);
 
 /// The encoding that the tags make. bad_data where the unit is unknown, the scale zero or a number not
 /// finite.

@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "builder/raster/crs.h"
 
 namespace cairn {
 namespace {
@@ -218,6 +222,25 @@ Status find_crs(RasterInfo& info) {
   return {};
 }
 
+/// Puts a CRS that the user names in place of the file's.
+void use_crs(const std::string& definition, RasterInfo& info) {
+  constexpr std::string_view kEpsg = "EPSG:";
+  constexpr int kWgs84InThreeDimensions = 4979;
+  int code = 0;
+  const bool is_code = definition.starts_with(kEpsg) &&
+                       definition.find_first_not_of("0123456789", kEpsg.size()) == std::string::npos;
+  if (is_code) std::from_chars(definition.data() + kEpsg.size(), definition.data() + definition.size(), code);
+  if (set_crs(info.georeference, code)) {
+    if (code == kWgs84InThreeDimensions) info.vertical = vertical_reference(code);
+    return;
+  }
+  set_other_crs(info.georeference, definition);
+  if (const auto vertical = find_vertical_crs(definition)) {
+    info.vertical = vertical_reference_named(vertical->name);
+    if (vertical->is_ellipsoidal) info.vertical->datum = VerticalDatum::ellipsoid;
+  }
+}
+
 Status check_numbers(const RasterInfo& info) {
   const Georeference& g = info.georeference;
   if (info.columns < 2 || info.rows < 2 || info.columns > kMostPosts || info.rows > kMostPosts)
@@ -289,6 +312,7 @@ std::vector<GeoBounds> tight_bounds(const RasterInfo& info, int halvings) {
 
 Status place_raster(RasterInfo& info) {
   if (auto numbers = check_numbers(info); !numbers) return numbers;
+  if (info.overrides.crs) use_crs(*info.overrides.crs, info);
   if (auto crs = find_crs(info); !crs) return crs;
   Georeference& g = info.georeference;
   if (is_regular(g)) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "builder/raster/io/input_file.h"
+#include "builder/raster/source_overrides.h"
 
 namespace cairn {
 namespace {
@@ -27,7 +28,9 @@ std::string known_formats() {
 }  // namespace
 
 Result<std::unique_ptr<RasterSource>> open_raster(const std::filesystem::path& path,
-                                                  const OpenOptions& options) {
+                                                  const OpenOptions& asked) {
+  OpenOptions options = asked;
+  if (!options.rules.empty()) options.overrides = overrides_of(path, options.rules);
   auto file = InputFile::open(path);
   if (!file) return file.error();
   std::vector<std::byte> first(static_cast<std::size_t>(std::min<std::uint64_t>(file->size(), kFirstBytes)));

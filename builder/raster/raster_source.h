@@ -10,7 +10,9 @@
 
 #include "builder/raster/georeference.h"
 #include "builder/raster/sample_type.h"
+#include "builder/raster/vertical_reference.h"
 #include "cairn/geo.h"
+#include "cairn/source_rule.h"
 #include "cairn/status.h"
 
 namespace cairn {
@@ -25,8 +27,11 @@ struct RasterInfo {
   SampleType type = SampleType::int16;
   bool whole_metres = true;  ///< integer posts in metres: the default error bound is 0.5 m, else 0.05 m
   Georeference georeference;
-  GeoBounds bounds;              ///< of the posts, in degrees; east may pass 180
-  std::optional<double> nodata;  ///< the file's own; the customary void values are voids besides
+  GeoBounds bounds;                           ///< of the posts, in degrees; east may pass 180
+  std::optional<double> nodata;               ///< the customary void values are voids besides
+  std::string unit;                           ///< of its heights as the file spells it; "" is the metre
+  std::optional<VerticalReference> vertical;  ///< what its heights are measured from, where it says so
+  SourceOverrides overrides;                  ///< what the user says of it; nodata and unit have it already
 };
 
 /// A rectangle of posts in the file's own order: row 0 is the file's first.
@@ -57,9 +62,11 @@ class RasterSource {
 };
 
 struct OpenOptions {
-  std::optional<GeoBounds>
-      bounds;  ///< where the image has no georeference of its own (outer edges of its pixels)
+  std::optional<GeoBounds> bounds =
+      std::nullopt;  ///< where the image has no georeference of its own (outer edges of its pixels)
   std::size_t cache_bytes = 32u << 20;  ///< decoded strips or tiles that the source may keep
+  std::vector<SourceRule> rules = {};   ///< what counts instead of what sources say of themselves
+  SourceOverrides overrides = {};       ///< those of this source; open_raster() makes them of the rules
 };
 
 /// One way of opening files. Each file of builder/raster/formats/ defines one; the folder is the list.

@@ -56,17 +56,20 @@ Status ScanlineSource::read_row(const PostWindow& window, std::int64_t row,
 }
 
 Status ScanlineSource::read_heights(const PostWindow& window, std::span<float> out) const {
-  if (info_.bands > 2) return bad_data(info_.path.string() + ": expected heights, found an image in colours");
+  if (info_.bands > 2 && !info_.overrides.band)
+    return bad_data(info_.path.string() + ": expected heights, found an image in colours");
   if (auto decoded = decode_once(); !decoded) return decoded;
   const auto columns = static_cast<std::size_t>(window.columns),
              bands = static_cast<std::size_t>(info_.bands);
+  const std::size_t at_band =
+      static_cast<std::size_t>(info_.overrides.band.value_or(1) - 1) * size_of(info_.type);
   const HeightEncoding alpha_encoding{.type = info_.type};
   std::vector<std::byte> pixels;
   std::vector<float> alpha(columns, 1.0F);
   for (std::int64_t r = 0; r < window.rows; ++r) {
     if (auto read = read_row(window, r, pixels); !read) return read;
     float* at = out.data() + static_cast<std::size_t>(r) * columns;
-    decode_heights(encoding_, pixels.data(), columns, bands, at);
+    decode_heights(encoding_, pixels.data() + at_band, columns, bands, at);
     if (bands % 2 == 0)
       decode_heights(alpha_encoding, pixels.data() + (bands - 1) * size_of(info_.type), columns, bands,
                      alpha.data());
@@ -108,12 +111,14 @@ Result<std::unique_ptr<RasterSource>> open_scanline_raster(const char* format,
                                                            const ScanlineHeader& header, DecodeRows decode,
                                                            const OpenOptions& options) {
   // GDAL reads what lies beside such a file besides a world file and a .prj.
-  const PamSidecar pam = read_pam_beside(path, 1);
+  if (auto band = check_band(path, header.bands, options.overrides); !band) return band.error();
+  const PamSidecar pam = read_pam_beside(path, options.overrides.band.value_or(1));
   std::error_code ignored;
   if (pam.places || std::filesystem::is_regular_file(std::filesystem::path(path).concat(".msk"), ignored))
     return bad_data(path.string() + ": expected no mask or georeference in a side-car, found one");
   HeightTags tags;
   apply_pam(pam, tags);
+  apply_overrides(options.overrides, tags);
   const auto encoding = height_encoding_of(path, header.type, tags);
   if (!encoding) return encoding.error();
   RasterInfo info;
@@ -125,6 +130,8 @@ Result<std::unique_ptr<RasterSource>> open_scanline_raster(const char* format,
   info.type = header.type;
   info.whole_metres = encoding->whole_metres();
   info.nodata = encoding->nodata;
+  info.unit = tags.unit;
+  info.overrides = options.overrides;
   const auto georeference = georeference_beside(path, info.columns, info.rows, options);
   if (!georeference) return georeference.error();
   info.georeference = *georeference;

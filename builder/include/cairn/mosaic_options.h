@@ -6,6 +6,7 @@
 
 #include "cairn/bake_choices.h"
 #include "cairn/pack_layout.h"
+#include "cairn/source_rule.h"
 
 namespace cairn {
 
@@ -17,8 +18,13 @@ struct MosaicOptions {
   /// The error bound E in metres; by default 0.5 for whole-metre sources, 0.05 for others.
   std::optional<double> max_error_m;
   ResampleMethod resampling = ResampleMethod::smooth;
-  VerticalDatum datum = VerticalDatum::unknown;  ///< of the sources; with a geoid the pack's is the ellipsoid
-  std::optional<std::filesystem::path> geoid;    ///< undulations in metres, added to every post
+  /// Of the sources; by default what they all say of themselves. With a geoid the pack's is the ellipsoid.
+  std::optional<VerticalDatum> datum;
+  std::optional<std::filesystem::path> geoid;  ///< undulations in metres, added to every post
+  std::vector<SourceRule> source_rules;        ///< of two that match a source the later one wins
+  /// Posts of the source beneath over which the difference of the one above fades, beyond that one's rim; 0
+  /// for a step.
+  double fade_posts = 1;
 };
 
 }  // namespace cairn

@@ -205,6 +205,8 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   HeightTags tags;
   tags.nodata = kNodata;
   apply_pam(read_pam_beside(path, 1), tags);
+  apply_overrides(options.overrides, tags);
+  if (auto band = check_band(path, 1, options.overrides); !band) return band.error();
   const auto encoding = height_encoding_of(path, SampleType::int16, tags);
   if (!encoding) return encoding.error();
   RasterInfo info;
@@ -214,6 +216,8 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   info.rows = header->rows;
   info.whole_metres = encoding->whole_metres();
   info.nodata = encoding->nodata;
+  info.unit = tags.unit;
+  info.overrides = options.overrides;
   const double dx = static_cast<double>(header->lon_interval) / 36000;
   const double dy = static_cast<double>(header->lat_interval) / 36000;
   info.georeference.x0 = header->west;

@@ -17,13 +17,14 @@ namespace fs = std::filesystem;
 constexpr std::array kExtensions = {".vrt", ".asc", ".img", ".bil", ".flt",
                                     ".nc",  ".grd", ".dem", ".bt",  ".jp2"};
 
-using OpenThroughGdal = void (*)(const fs::path& path, Result<std::unique_ptr<RasterSource>>& out);
+using OpenThroughGdal = void (*)(const fs::path& path, const OpenOptions& options,
+                                 Result<std::unique_ptr<RasterSource>>& out);
 
 bool claims(const fs::path&, std::span<const std::byte> first_bytes) {
   return !first_bytes.empty();
 }
 
-Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptions&) {
+Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptions& options) {
   static const auto open_through_gdal =
       reinterpret_cast<OpenThroughGdal>(load_reader_plugin("cairn-gdal", "cairn_open_through_gdal"));
   if (open_through_gdal == nullptr)
@@ -31,7 +32,7 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
         path.string() +
         ": expected a format that cairn reads itself, found another, and cairn-gdal.so cannot be loaded");
   Result<std::unique_ptr<RasterSource>> out(nullptr);
-  open_through_gdal(path, out);
+  open_through_gdal(path, options, out);
   return out;
 }
 

@@ -64,6 +64,7 @@ class GeoTiffSource final : public RasterSource {
 };
 
 Status GeoTiffSource::check_heights() const {
+  if (info_.overrides.band) return {};  // the user knows what that band is
   const std::uint16_t photometric = image_->layout().photometric;
   if (photometric == PHOTOMETRIC_MINISBLACK || photometric == PHOTOMETRIC_MINISWHITE) return {};
   return bad_data(info_.path.string() + ": expected heights, found an image in colours");
@@ -96,15 +97,18 @@ Status GeoTiffSource::read_heights(const PostWindow& window, std::span<float> ou
   if (auto heights = check_heights(); !heights) return heights;
   if (!encoding_) return encoding_.error();
   const auto width = static_cast<std::size_t>(window.columns);
-  const auto stride = static_cast<std::size_t>(image_->layout().samples_together());
+  const TiffLayout& layout = image_->layout();
+  const auto stride = static_cast<std::size_t>(layout.samples_together());
+  const int band = info_.overrides.band.value_or(1) - 1;
+  const std::size_t at_band = layout.planar ? 0 : static_cast<std::size_t>(band) * size_of(layout.type);
   const float unstored = encoding_->nodata ? kVoid : 0.0F;
-  const Status read = image_->visit(window, 0, [&](const TiffImage::Run& run) {
+  const Status read = image_->visit(window, layout.planar ? band : 0, [&](const TiffImage::Run& run) {
     float* at = out.data() + static_cast<std::size_t>(run.row) * width + run.column;
     const auto count = static_cast<std::size_t>(run.count);
     if (run.samples == nullptr) {
       std::fill_n(at, count, unstored);
     } else {
-      decode_heights(*encoding_, run.samples, count, stride, at);
+      decode_heights(*encoding_, run.samples + at_band, count, stride, at);
     }
   });
   if (!read) return read;
@@ -176,18 +180,22 @@ Result<std::unique_ptr<TiffImage>> open_mask(const fs::path& path, const TiffLay
 Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptions& options) {
   auto handle = TiffHandle::open(path, 0);
   if (!handle) return handle.error();
-  const GeoTiffTags tags = read_geotiff_tags(**handle);
+  GeoTiffTags tags = read_geotiff_tags(**handle);
   const bool has_more_directories = TIFFLastDirectory((*handle)->get()) == 0;
   auto image = TiffImage::open(path, std::move(*handle), 0, options.cache_bytes);
   if (!image) return image.error();
   const TiffLayout& layout = (*image)->layout();
-  const PamSidecar pam = read_pam_beside(path, 1);
+  if (auto band = check_band(path, layout.bands, options.overrides); !band) return band.error();
+  const int band = options.overrides.band.value_or(1);
+  if (options.overrides.crs) drop_crs(tags);
+  const PamSidecar pam = read_pam_beside(path, band);
   if (pam.places)  // GDAL reads it
     return bad_data(path.string() + ".aux.xml: expected no georeference beside a GeoTIFF, found one");
   const auto georeference = find_place(tags, layout, path, options);
   if (!georeference) return georeference.error();
-  HeightTags height = height_tags_of(tags, 1);
+  HeightTags height = height_tags_of(tags, band);
   apply_pam(pam, height);
+  apply_overrides(options.overrides, height);
   auto encoding = height_encoding_of(path, layout.type, height);
   auto mask = open_mask(path, layout, has_more_directories, options);
   if (!mask) return mask.error();
@@ -201,6 +209,9 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   info.whole_metres = encoding && encoding->whole_metres();
   info.georeference = *georeference;
   info.nodata = height.nodata;
+  info.unit = height.unit;
+  info.vertical = vertical_reference_of(tags);
+  info.overrides = options.overrides;
   if (auto placed = place_raster(info); !placed) return placed.error();
   std::unique_ptr<RasterSource> source = std::make_unique<GeoTiffSource>(std::move(info), std::move(encoding),
                                                                          std::move(*image), std::move(*mask));

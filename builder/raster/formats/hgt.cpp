@@ -238,6 +238,8 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   HeightTags tags;
   tags.nodata = kNodata;
   apply_pam(read_pam_beside(path, 1), tags);
+  apply_overrides(options.overrides, tags);
+  if (auto band = check_band(path, 1, options.overrides); !band) return band.error();
   auto encoding = height_encoding_of(path, SampleType::int16, tags);
   if (!encoding) return encoding.error();
   encoding->swapped = true;
@@ -247,6 +249,8 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   info.columns = info.rows = *posts;
   info.whole_metres = encoding->whole_metres();
   info.nodata = encoding->nodata;
+  info.unit = tags.unit;
+  info.overrides = options.overrides;
   const double spacing = 1.0 / static_cast<double>(*posts - 1);
   info.georeference.x0 = cell->west;
   info.georeference.y0 = cell->south + 1;

@@ -151,7 +151,9 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
       is_zip_name(path) ? unpack_archive(path, folder->path()) : unpack_gzipped(path, folder->path());
   if (!unpacked) return unpacked.error();
   const Places places{path, *unpacked};
-  auto raster = open_raster(*unpacked, options);
+  OpenOptions inside = options;  // its overrides are those of the packed file's name
+  inside.rules.clear();
+  auto raster = open_raster(*unpacked, inside);
   if (!raster) return places.error(raster.error());
   std::unique_ptr<RasterSource> source =
       std::make_unique<PackedSource>(places, std::move(*folder), std::move(*raster));

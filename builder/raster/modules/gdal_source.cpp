@@ -189,7 +189,7 @@ Status GdalSource::read_heights(const PostWindow& window, std::span<float> out) 
   if (!encoding_) return encoding_.error();
   const Quiet quiet;
   const std::lock_guard lock(mutex_);
-  GDALRasterBandH band = GDALGetRasterBand(opened_.dataset.get(), 1);
+  GDALRasterBandH band = GDALGetRasterBand(opened_.dataset.get(), info_.overrides.band.value_or(1));
   std::vector<std::byte> samples(static_cast<std::size_t>(window.columns * window.rows) *
                                  size_of(info_.type));
   if (auto read = read_band(band, window, GDALGetRasterDataType(band), samples.data()); !read) return read;
@@ -226,6 +226,31 @@ HeightTags height_tags_of(GDALRasterBandH band) {
   const double offset = GDALGetRasterOffset(band, &has);
   if (has != 0) tags.offset = offset;
   return tags;
+}
+
+/// What the heights are measured from: the vertical part of a compound CRS, or a geographic one in three
+/// dimensions.
+std::optional<VerticalReference> vertical_reference_of(GDALDatasetH dataset) {
+  OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
+  if (crs == nullptr) return std::nullopt;
+  if (OSRIsCompound(crs) != 0) {
+    if (const char* code = OSRGetAuthorityCode(crs, "VERT_CS")) return vertical_reference(std::atoi(code));
+    const char* name = OSRGetAttrValue(crs, "VERT_CS", 0);
+    return vertical_reference_named(name == nullptr ? "unnamed" : name);
+  }
+  if (OSRIsGeographic(crs) == 0 || OSRGetAxesCount(crs) != 3) return std::nullopt;
+  const char* name = OSRGetName(crs);
+  return VerticalReference{name == nullptr ? "unnamed" : name, VerticalDatum::ellipsoid};
+}
+
+/// GDAL takes no notice of a mask that does not fit.
+Status check_mask(GDALDatasetH dataset, const fs::path& path) {
+  std::error_code ignored;
+  const fs::path mask = fs::path(path).concat(".msk");
+  const bool used = (GDALGetMaskFlags(GDALGetRasterBand(dataset, 1)) & GMF_PER_DATASET) != 0;
+  if (used || !fs::is_regular_file(mask, ignored)) return {};
+  return bad_data(fmt::format("{}: mask: expected one of {}×{} posts, found one that does not fit",
+                              mask.string(), GDALGetRasterXSize(dataset), GDALGetRasterYSize(dataset)));
 }
 
 std::vector<std::uint8_t> palette_of(GDALRasterBandH band) {
@@ -274,28 +299,35 @@ Status check_last_row(GDALDatasetH dataset, const fs::path& path) {
   return bad_data(fmt::format("{}: row {}: expected posts, found: {}", path.string(), last, Quiet::reason()));
 }
 
-Result<std::unique_ptr<RasterSource>> open(const fs::path& path) {
+Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptions& options) {
   register_once();
   const Quiet quiet;
   auto opened = open_dataset(path);
   if (!opened) return opened.error();
-  GDALRasterBandH band = GDALGetRasterBand(opened->dataset.get(), 1);
+  const int bands = GDALGetRasterCount(opened->dataset.get());
+  if (auto there = check_band(path, bands, options.overrides); !there) return there.error();
+  if (auto mask = check_mask(opened->dataset.get(), path); !mask) return mask.error();
+  GDALRasterBandH band = GDALGetRasterBand(opened->dataset.get(), options.overrides.band.value_or(1));
   const auto type = sample_type(band);
   if (!type)
     return bad_data(fmt::format("{}: expected real samples of at most 64 bits, found {}", path.string(),
                                 GDALGetDataTypeName(GDALGetRasterDataType(band))));
-  const HeightTags tags = height_tags_of(band);
+  HeightTags tags = height_tags_of(band);
+  apply_overrides(options.overrides, tags);
   auto encoding = height_encoding_of(path, *type, tags);
   RasterInfo info;
   info.path = path;
   info.format = std::string("gdal ") + GDALGetDriverShortName(GDALGetDatasetDriver(opened->dataset.get()));
   info.columns = GDALGetRasterXSize(opened->dataset.get());
   info.rows = GDALGetRasterYSize(opened->dataset.get());
-  info.bands = GDALGetRasterCount(opened->dataset.get());
+  info.bands = bands;
   info.type = *type;
   info.whole_metres = encoding && encoding->whole_metres();
   info.georeference = opened->georeference;
   info.nodata = tags.nodata;
+  info.unit = tags.unit;
+  info.vertical = vertical_reference_of(opened->dataset.get());
+  info.overrides = options.overrides;
   ColourEncoding colours = colours_of(opened->dataset.get(), info.type, info.nodata);
   if (auto placed = place_raster(info); !placed) return placed.error();
   if (auto last = check_last_row(opened->dataset.get(), path); !last) return last.error();
@@ -310,9 +342,10 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path) {
 
 /// The module's one entry: cairn::OpenThroughGdal.
 extern "C" __attribute__((visibility("default"))) void cairn_open_through_gdal(
-    const std::filesystem::path& path, cairn::Result<std::unique_ptr<cairn::RasterSource>>& out) {
+    const std::filesystem::path& path, const cairn::OpenOptions& options,
+    cairn::Result<std::unique_ptr<cairn::RasterSource>>& out) {
   try {
-    out = cairn::open(path);
+    out = cairn::open(path, options);
   } catch (const std::exception& e) {
     out = cairn::bad_data(path.string() + ": expected a raster, found: " + e.what());
   }

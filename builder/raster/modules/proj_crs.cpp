@@ -217,23 +217,43 @@ Result<std::shared_ptr<const CrsTransform>> CrsLibrary::open(const std::string& 
   return transform_of;
 }
 
-std::optional<double> metres_of_vertical(int epsg) {
+/// The part of a CRS that heights are measured in: a vertical CRS, or one of three dimensions.
+Object vertical_part(PJ_CONTEXT* context, Object crs) {
+  while (crs) {
+    const PJ_TYPE type = proj_get_type(crs.get());
+    if (type == PJ_TYPE_COMPOUND_CRS) {
+      crs.reset(proj_crs_get_sub_crs(context, crs.get(), 1));
+    } else if (type == PJ_TYPE_BOUND_CRS) {
+      crs.reset(proj_get_source_crs(context, crs.get()));
+    } else {
+      return crs;
+    }
+  }
+  return crs;
+}
+
+std::optional<VerticalCrs> find_vertical(const std::string& definition) {
   const Context context = make_context();
-  const Object crs(proj_create(context.get(), fmt::format("EPSG:{}", epsg).c_str()));
-  if (!crs || proj_get_type(crs.get()) != PJ_TYPE_VERTICAL_CRS) return std::nullopt;
+  const Object crs = vertical_part(context.get(), Object(proj_create(context.get(), definition.c_str())));
+  if (!crs || proj_is_crs(crs.get()) == 0) return std::nullopt;
   const Object system(proj_crs_get_coordinate_system(context.get(), crs.get()));
+  const bool is_vertical = proj_get_type(crs.get()) == PJ_TYPE_VERTICAL_CRS;
+  const int axis = is_vertical ? 0 : 2;
   double metres = 0;
   const char* direction = nullptr;
-  if (!system || proj_cs_get_axis_info(context.get(), system.get(), 0, nullptr, nullptr, &direction, &metres,
-                                       nullptr, nullptr, nullptr) == 0)
+  if (!system || proj_cs_get_axis_count(context.get(), system.get()) <= axis ||
+      proj_cs_get_axis_info(context.get(), system.get(), axis, nullptr, nullptr, &direction, &metres, nullptr,
+                            nullptr, nullptr) == 0)
     return std::nullopt;
-  return direction != nullptr && std::strcmp(direction, "up") == 0 ? metres : 0;
+  const bool is_up = direction != nullptr && std::strcmp(direction, "up") == 0;
+  if (!is_vertical && !is_up) return std::nullopt;  // geocentric
+  return VerticalCrs{proj_get_name(crs.get()), is_up ? metres : 0, !is_vertical};
 }
 
 }  // namespace
 }  // namespace cairn
 
-/// The module's entries: cairn::OpenCrs and cairn::VerticalUnit.
+/// The module's entries: cairn::OpenCrs and cairn::FindVertical.
 extern "C" __attribute__((visibility("default"))) void cairn_open_crs(
     const std::string& definition, double x, double y,
     cairn::Result<std::shared_ptr<const cairn::CrsTransform>>& out) {
@@ -245,10 +265,10 @@ extern "C" __attribute__((visibility("default"))) void cairn_open_crs(
   }
 }
 
-extern "C" __attribute__((visibility("default"))) void cairn_metres_of_vertical_crs(
-    int epsg, std::optional<double>& out) {
+extern "C" __attribute__((visibility("default"))) void cairn_find_vertical_crs(
+    const std::string& definition, std::optional<cairn::VerticalCrs>& out) {
   try {
-    out = cairn::metres_of_vertical(epsg);
+    out = cairn::find_vertical(definition);
   } catch (const std::exception&) {
     out = std::nullopt;
   }

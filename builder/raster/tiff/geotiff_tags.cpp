@@ -24,7 +24,8 @@ constexpr int kModelType = 1024, kRasterType = 1025, kCitation = 1026, kGeograph
               kGeogCitation = 2049, kGeodeticDatum = 2050, kAngularUnits = 2054, kEllipsoid = 2056,
               kProjectedType = 3072, kProjectedCitation = 3073, kProjection = 3074, kProjMethod = 3075,
               kLinearUnits = 3076, kNaturalOriginLon = 3080, kNaturalOriginLat = 3081, kFalseEasting = 3082,
-              kFalseNorthing = 3083, kScaleAtOrigin = 3092, kVerticalType = 4096, kVerticalUnits = 4099;
+              kFalseNorthing = 3083, kScaleAtOrigin = 3092, kVerticalType = 4096, kVerticalCitation = 4097,
+              kVerticalUnits = 4099;
 // Values.
 constexpr int kProjected = 1, kGeographic = 2, kPixelIsPoint = 2, kUserDefined = 32767, kDegree = 9102,
               kMetre = 9001, kTransverseMercator = 1;
@@ -137,7 +138,8 @@ double metres_of_vertical_keys(const GeoTiffTags& tags) {
   constexpr std::array kMetreCodes = {0,    kUserDefined, 3855,
                                       5701, 5703,         5773};  // the commonest, known without PROJ
   if (std::find(kMetreCodes.begin(), kMetreCodes.end(), crs) != kMetreCodes.end()) return 1;
-  return metres_of_vertical_crs(crs).value_or(1);
+  const auto found = find_vertical_crs(fmt::format("EPSG:{}", crs));
+  return found ? found->metres : 1;
 }
 
 }  // namespace
@@ -228,6 +230,31 @@ HeightTags height_tags_of(const GeoTiffTags& tags, int band) {
     height.unit = fmt::format("the vertical CRS EPSG:{}, unit EPSG:{}", key(tags, kVerticalType),
                               key(tags, kVerticalUnits));
   return height;
+}
+
+std::optional<VerticalReference> vertical_reference_of(const GeoTiffTags& tags) {
+  constexpr int kWgs84InThreeDimensions = 4979;
+  const int code = key(tags, kVerticalType);
+  if (code != 0 && code != kUserDefined) return vertical_reference(code);
+  if (const std::string name = text(tags, kVerticalCitation); code == kUserDefined && !name.empty())
+    return vertical_reference_named(name);
+  const int geographic = key(tags, kGeographicType);
+  if (geographic == kWgs84InThreeDimensions) return vertical_reference(geographic);
+  Georeference known;
+  const bool in_two_dimensions = geographic == 0 || geographic == kUserDefined || set_crs(known, geographic);
+  if (in_two_dimensions || key(tags, kModelType) == kProjected) return std::nullopt;
+  const auto crs = find_vertical_crs(fmt::format("EPSG:{}", geographic));
+  if (!crs || !crs->is_ellipsoidal) return std::nullopt;
+  return VerticalReference{crs->name, VerticalDatum::ellipsoid};
+}
+
+void drop_crs(GeoTiffTags& tags) {
+  constexpr int kWgs84 = 4326;
+  std::erase_if(tags.short_keys, [](const auto& key) {
+    return key.first != kRasterType && key.first != kVerticalType && key.first != kVerticalUnits;
+  });
+  tags.short_keys[kModelType] = kGeographic;
+  tags.short_keys[kGeographicType] = kWgs84;
 }
 
 }  // namespace cairn

@@ -11,6 +11,7 @@
 #include "builder/raster/georeference.h"
 #include "builder/raster/height_tags.h"
 #include "builder/raster/tiff/tiff_handle.h"
+#include "builder/raster/vertical_reference.h"
 #include "cairn/status.h"
 
 namespace cairn {
@@ -47,5 +48,12 @@ Result<Georeference> georeference_of(const GeoTiffTags& tags, const std::filesys
 /// What the tags say of a band's heights: GDAL's nodata, scale, offset and unit, else the vertical CRS's
 /// unit. `band` from 1.
 HeightTags height_tags_of(const GeoTiffTags& tags, int band);
+
+/// What the keys say that heights are measured from: a vertical CRS, or a geographic one in three dimensions.
+std::optional<VerticalReference> vertical_reference_of(const GeoTiffTags& tags);
+
+/// Makes the tags those of a file in degrees on WGS84, for a CRS that the user names; what they say of
+/// heights stays.
+void drop_crs(GeoTiffTags& tags);
 
 }  // namespace cairn

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace cairn {
+
+/// What a user says of a source; it counts instead of what the file says. Absent fields change nothing.
+struct SourceOverrides {
+  std::optional<int> band = std::nullopt;          ///< the band that holds the heights, from 1
+  std::optional<double> nodata = std::nullopt;     ///< compared with the sample, before scale and offset
+  std::optional<double> scale = std::nullopt;      ///< height in the unit = sample · scale + offset
+  std::optional<double> offset = std::nullopt;     ///< in the unit
+  std::optional<std::string> unit = std::nullopt;  ///< by name: "m", "ft", "US survey foot" …
+  std::optional<std::string> crs = std::nullopt;   ///< of the plane: "EPSG:2056", WKT or what else PROJ takes
+  /// Sources of a higher number win over others, finer ones too; 0 where nothing is said.
+  std::optional<int> priority = std::nullopt;
+
+  friend bool operator==(const SourceOverrides&, const SourceOverrides&) = default;
+};
+
+/// What is said of all sources whose name matches a pattern.
+struct SourceRule {
+  std::string glob;  ///< of the file's name or its whole path, as in a shell; "*" is every source
+  SourceOverrides overrides = {};
+
+  friend bool operator==(const SourceRule&, const SourceRule&) = default;
+};
+
+}  // namespace cairn
