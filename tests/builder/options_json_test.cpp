@@ -17,28 +17,37 @@ using Change = std::pair<const char*, std::function<void(BuildOptions&)>>;
 
 // One for each option that decides the bytes of a pack of heights and imagery.
 std::vector<Change> deciding_changes() {
-  return {{"tile_size", [](BuildOptions& o) { o.grid.tile_size = 257; }},
-          {"top", [](BuildOptions& o) { o.grid.top = -9; }},
-          {"region",
-           [](BuildOptions& o) {
-             o.grid.region = GeoBounds{-1.5, 2, 3.25, 4};
-           }},
-          {"level", [](BuildOptions& o) { o.mosaic.level = 5; }},
-          {"max_error_m", [](BuildOptions& o) { o.mosaic.max_error_m = 0.1; }},
-          {"resampling", [](BuildOptions& o) { o.mosaic.resampling = ResampleMethod::bilinear; }},
-          {"resampling", [](BuildOptions& o) { o.mosaic.resampling = ResampleMethod::cubic; }},
-          {"datum", [](BuildOptions& o) { o.mosaic.datum = VerticalDatum::egm96; }},
-          {"geoid", [](BuildOptions& o) { o.mosaic.geoid = "geoid.tif"; }},
-          {"quantum_m", [](BuildOptions& o) { o.heights.quantum_m = 0.3; }},
-          {"voids", [](BuildOptions& o) { o.heights.voids = VoidMode::keep; }},
-          {"rqt_tolerance_m", [](BuildOptions& o) { o.heights.rqt_tolerance_m = 1.5F; }},
-          {"bounds",
-           [](BuildOptions& o) {
-             o.imagery.bounds = GeoBounds{1, 2, 3, 4};
-           }},
-          {"format", [](BuildOptions& o) { o.imagery.format = TextureFormat::bc7; }},
-          {"quality", [](BuildOptions& o) { o.imagery.quality = TextureQuality::best; }},
-          {"feather_pixels", [](BuildOptions& o) { o.imagery.feather_pixels = 0.1; }}};
+  return {
+      {"tile_size", [](BuildOptions& o) { o.grid.tile_size = 257; }},
+      {"top", [](BuildOptions& o) { o.grid.top = -9; }},
+      {"region",
+       [](BuildOptions& o) {
+         o.grid.region = GeoBounds{-1.5, 2, 3.25, 4};
+       }},
+      {"level", [](BuildOptions& o) { o.mosaic.level = 5; }},
+      {"max_error_m", [](BuildOptions& o) { o.mosaic.max_error_m = 0.1; }},
+      {"resampling", [](BuildOptions& o) { o.mosaic.resampling = ResampleMethod::bilinear; }},
+      {"resampling", [](BuildOptions& o) { o.mosaic.resampling = ResampleMethod::cubic; }},
+      {"datum", [](BuildOptions& o) { o.mosaic.datum = VerticalDatum::egm96; }},
+      {"fade", [](BuildOptions& o) { o.mosaic.fade_posts = 2.5; }},
+      {"sources",
+       [](BuildOptions& o) {
+         o.mosaic.source_rules = {
+             {"*", {.nodata = -1.0}},
+             {"b_*",
+              {.band = 2, .scale = 0.5, .offset = 3.0, .unit = "ft", .crs = "EPSG:2056", .priority = -4}}};
+       }},
+      {"geoid", [](BuildOptions& o) { o.mosaic.geoid = "geoid.tif"; }},
+      {"quantum_m", [](BuildOptions& o) { o.heights.quantum_m = 0.3; }},
+      {"voids", [](BuildOptions& o) { o.heights.voids = VoidMode::keep; }},
+      {"rqt_tolerance_m", [](BuildOptions& o) { o.heights.rqt_tolerance_m = 1.5F; }},
+      {"bounds",
+       [](BuildOptions& o) {
+         o.imagery.bounds = GeoBounds{1, 2, 3, 4};
+       }},
+      {"format", [](BuildOptions& o) { o.imagery.format = TextureFormat::bc7; }},
+      {"quality", [](BuildOptions& o) { o.imagery.quality = TextureQuality::best; }},
+      {"feather_pixels", [](BuildOptions& o) { o.imagery.feather_pixels = 0.1; }}};
 }
 
 BuildOptions with_images() {

@@ -86,8 +86,10 @@ double slope(LonLat p) {
   return 1500 + (p.lon - 6) * 78'600 * 0.57735;
 }
 
-PackReader baked(const std::vector<fs::path>& files, const fs::path& target) {
-  bake(bake_options(files, target));
+PackReader baked(const std::vector<fs::path>& files, const fs::path& target, double fade = 1) {
+  BuildOptions options = bake_options(files, target);
+  options.mosaic.fade_posts = fade;
+  bake(options);
   const auto verified = verify_pack(target, {2, 10});
   REQUIRE(verified.ok());
   for (const Finding& f : verified->findings) UNSCOPED_INFO(f.where << ": " << f.what);
@@ -130,7 +132,7 @@ TEST_CASE("rasters of different spacing that touch keep every post of both") {
   }
 }
 
-TEST_CASE("sources that agree leave no step, and those that do not a ramp") {
+TEST_CASE("sources that agree leave no step, and those that do not a ramp of the width asked for") {
   const TempDir folder;
   const fs::path fine_path = folder.path() / "fine.tif", coarse_path = folder.path() / "coarse.tif";
   const Sheet coarse{5.9, 45.1, 300, 300, 60, 60, true}, fine{6.000012, 45.05, 900, 900, 60, 60, true};
@@ -149,10 +151,10 @@ TEST_CASE("sources that agree leave no step, and those that do not a ramp") {
       CHECK(std::abs(surface_at(sampler, lon) - slope({lon, 45.02})) < 0.5);
   }
   write_sheet(fine_path, fine, [](LonLat p) { return slope(p) + 20; });
-  {
-    const PackReader pack = baked({fine_path, coarse_path}, folder.path() / "o.cairn");
+  for (const double fade : {1.0, 4.0}) {
+    const PackReader pack = baked({fine_path, coarse_path}, folder.path() / "o.cairn", fade);
     PackSampler sampler(pack, 64);
-    const double rim = fine.place(0, 0).lon, width = 1 / coarse.per_lon;
+    const double rim = fine.place(0, 0).lon, width = fade / coarse.per_lon;
     CHECK(surface_at(sampler, rim + 0.001) - slope({rim + 0.001, 0}) == Approx(20).margin(0.5));
     CHECK(surface_at(sampler, rim - width / 2) - slope({rim - width / 2, 0}) == Approx(10).margin(2));
     CHECK(surface_at(sampler, rim - 1.3 * width) - slope({rim - 1.3 * width, 0}) == Approx(0).margin(0.5));
@@ -180,7 +182,7 @@ TEST_CASE("posts that lose where sources overlap are counted, each post once") {
   CHECK(sources[1]["posts_lost"].get<int>() <= 24 * 24);
 }
 
-TEST_CASE("the order of the command line decides between sources of equal spacing") {
+TEST_CASE("the order of the command line decides between equals, a priority between any") {
   const TempDir folder;
   const fs::path a = folder.path() / "a.tif", b = folder.path() / "b.tif";
   const Sheet first{10, 50, 300, 300, 60, 60}, second{10.1, 50, 297, 297, 60, 60};
@@ -196,6 +198,53 @@ TEST_CASE("the order of the command line decides between sources of equal spacin
   const fs::path target = folder.path() / "o.cairn";
   CHECK(height(bake_options({a, b}, target)) == Approx(100));
   CHECK(height(bake_options({b, a}, target)) == Approx(200));
+  BuildOptions told = bake_options({a, b}, target);
+  told.mosaic.source_rules = {{"b.tif", {.priority = 1}}};
+  CHECK(height(told) == Approx(200));
+  // Also over a source that is much finer, and on its own grid.
+  const Sheet coarse{9.95, 50.05, 60, 60, 30, 30};
+  write_sheet(b, coarse, [](LonLat) { return 200.0; });
+  CHECK(height(bake_options({a, b}, target)) == Approx(100));
+  CHECK(height(told) == Approx(200));
+  write_sheet(b, first, [](LonLat) { return 200.0; });
+  CHECK(height(bake_options({a, b}, target)) == Approx(100));
+  CHECK(height(told) == Approx(200));
+}
+
+TEST_CASE("voids of a projected raster show what lies beneath, faded from their rims") {
+  const TempDir folder;
+  const fs::path fine = folder.path() / "utm.tif", coarse = folder.path() / "coarse.tif";
+  // 30 m in UTM 32 around 9°E 45°N, 100 m above a level coarse raster; a void of 60 posts square amid it.
+  TiffRecipe utm;
+  utm.columns = utm.rows = 160;
+  utm.type = SampleType::float32;
+  utm.keys = {{1024, 1}, {1025, 2}, {3072, 32632}};
+  utm.pixel_scale = {30, 30, 0};
+  utm.tiepoint = {0, 0, 0, 500000 - 80 * 30, 4983000 + 80 * 30, 0};
+  utm.sample = [](int, std::int64_t c, std::int64_t r) {
+    return c >= 50 && c < 110 && r >= 50 && r < 110 ? -9999.0 : 600.0;
+  };
+  write_tiff(fine, utm);
+  const Sheet sheet{8.9, 45.1, 1200, 1200, 240, 240};
+  write_sheet(coarse, sheet, [](LonLat) { return 500.0; });
+  const PackReader pack = baked({fine, coarse}, folder.path() / "o.cairn");
+  PackSampler sampler(pack, 64);
+  const auto height = [&](double east_m) {
+    const auto found = sampler.height_at({9 + east_m / 78'850, 44.9995});
+    REQUIRE(found.ok());
+    REQUIRE(found->has_value());
+    return (*found)->metres;
+  };
+  CHECK(height(0) == Approx(500).margin(0.1));      // amid the void
+  CHECK(height(-1500) == Approx(600).margin(0.1));  // beside it
+  CHECK(height(29 * 30 + 45) == Approx(600).margin(0.1));
+  double before = height(29 * 30 + 45);
+  for (double east = 29 * 30 + 40; east > 0; east -= 5) {  // no cliff from the rim inwards
+    const double here = height(east);
+    CHECK(here <= before + 0.1);
+    CHECK(before - here < 12);
+    before = here;
+  }
 }
 
 TEST_CASE("a region of a fine DEM over one of the whole Earth is baked") {
@@ -204,12 +253,18 @@ TEST_CASE("a region of a fine DEM over one of the whole Earth is baked") {
   write_tiff(world, lattice(-180, 90, 4, 1440, 721));
   write_tiff(fine, lattice(121, 25, 600, 601, 601));
   BuildOptions options = bake_options({fine, world}, folder.path() / "o.cairn");
-  for (const GeoBounds& region : {GeoBounds{117, 21, 125, 27}, GeoBounds{121.25, 24.25, 121.5, 24.5},
-                                  GeoBounds{122, 24, 123, 25}, GeoBounds{-10, -10, 10, 10}}) {
+  for (const GeoBounds& region :
+       {GeoBounds{117, 21, 125, 27}, GeoBounds{121.25, 24.25, 121.5, 24.5}, GeoBounds{122, 24, 123, 25},
+        GeoBounds{-10, -10, 10, 10}, GeoBounds{120.7, 24.9, 121.4, 25.3}, GeoBounds{121.5, 23, 150, 24.6},
+        GeoBounds{170, 60, 190, 88}}) {
     options.grid.region = region;
     INFO(region.west << " " << region.south);
     REQUIRE(dry_run(options).ok());
     bake(options);
+    const auto verified = verify_pack(options.session.target, {2, 10});
+    REQUIRE(verified.ok());
+    for (const Finding& f : verified->findings) UNSCOPED_INFO(f.where << ": " << f.what);
+    CHECK(verified->ok());
   }
 }
 

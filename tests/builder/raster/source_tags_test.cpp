@@ -8,6 +8,7 @@
 #include <tiffio.h>
 
 #include "builder/raster/pam_sidecar.h"
+#include "builder/raster/source_overrides.h"
 #include "tests/support/dem_files.h"
 #include "tests/support/gdal_oracle.h"
 #include "tests/support/test_data.h"
@@ -29,6 +30,12 @@ TiffRecipe level_ground(double height, SampleType type = SampleType::float32) {
 std::string band_item(const std::string& element, const std::string& value) {
   return fmt::format("<PAMDataset><PAMRasterBand band=\"1\"><{0}>{1}</{0}></PAMRasterBand></PAMDataset>",
                      element, value);
+}
+
+OpenOptions with(const SourceOverrides& overrides) {
+  OpenOptions options;
+  options.overrides = overrides;
+  return options;
 }
 
 }  // namespace
@@ -168,6 +175,91 @@ TEST_CASE("an image's unit is not looked at, that of heights is") {
   write_tiff(path, recipe);
   CHECK(complaint_of(path).find("found counts") != std::string::npos);
   CHECK(all_colours(*opened(path))[0] == 100);
+}
+
+TEST_CASE("a vertical CRS is read as the reference of the heights") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.tif";
+  const auto reference = [&](int geographic, int vertical) {
+    TiffRecipe recipe = level_ground(1);
+    recipe.keys[2048] = geographic;
+    if (vertical != 0) recipe.keys[4096] = vertical;
+    write_tiff(path, recipe);
+    return opened(path)->info().vertical;
+  };
+  CHECK_FALSE(reference(4326, 0));
+  CHECK(reference(4326, 5773) == VerticalReference{"EGM96 height", VerticalDatum::egm96});
+  CHECK(reference(4326, 3855) == VerticalReference{"EGM2008 height", VerticalDatum::unknown});
+  CHECK(reference(4326, 5703) == VerticalReference{"NAVD88 height", VerticalDatum::unknown});
+  CHECK(reference(4258, 5783) == VerticalReference{"DHHN92 height", VerticalDatum::unknown});  // by PROJ
+  CHECK(reference(4979, 0) == VerticalReference{"WGS 84", VerticalDatum::ellipsoid});
+  CHECK(reference(4937, 0) == VerticalReference{"ETRS89", VerticalDatum::ellipsoid});
+  CHECK(reference(4326, 5030)->datum == VerticalDatum::ellipsoid);
+}
+
+TEST_CASE("what the user says of a source counts instead of what the file says") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.tif";
+  TiffRecipe recipe = level_ground(1);
+  recipe.nodata = "7";
+  for (const bool planar : {false, true}) {
+    recipe.bands = 3;
+    recipe.planar = planar;
+    recipe.sample = [](int band, std::int64_t column, std::int64_t) {
+      return 10.0 * band + static_cast<double>(column);
+    };
+    write_tiff(path, recipe);
+    const auto second = all_heights(*opened(path, with({.band = 2, .nodata = 13.0})));
+    CHECK(second[2] == 12);
+    CHECK(std::isnan(second[3]));
+    CHECK(second[4] == 14);
+    CHECK(complaint_of(path, with({.band = 4})).find("expected band 4, found 3 bands") != std::string::npos);
+  }
+  recipe.bands = 1;
+  recipe.sample = [](int, std::int64_t column, std::int64_t) { return static_cast<double>(column); };
+  write_tiff(path, recipe);
+  const auto scaled = all_heights(*opened(path, with({.scale = 2.0, .offset = 100.0, .unit = "ft"})));
+  CHECK(static_cast<double>(scaled[5]) == Approx(110 * kFoot));
+  CHECK(std::isnan(scaled[7]));
+  CHECK(complaint_of(path, with({.unit = "furlong"})).find("found furlong") != std::string::npos);
+  CHECK_FALSE(complaint_of(path, with({.scale = 0.0})).empty());
+}
+
+TEST_CASE("a CRS that the user names takes the place of the file's, also of one that is unknown") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.tif";
+  TiffRecipe recipe = level_ground(1);
+  recipe.pixel_scale = {30, 30, 0};
+  recipe.tiepoint = {0, 0, 0, 2'600'000, 1'200'000, 0};
+  recipe.keys = {{1024, 1}, {1025, 1}, {3072, 32767}};
+  write_tiff(path, recipe);
+  CHECK_FALSE(complaint_of(path).empty());
+  const auto bern = opened(path, with({.crs = "EPSG:2056"}));  // its origin is the old observatory of Bern
+  CHECK(bern->info().bounds.west == Approx(7.4388).margin(0.001));
+  CHECK(bern->info().bounds.north == Approx(46.951).margin(0.001));
+  const auto with_heights = opened(path, with({.crs = "EPSG:2056+5728"}));
+  CHECK(with_heights->info().vertical->name == "LN02 height");
+  CHECK(complaint_of(path, with({.crs = "EPSG:1"})).find("CRS: expected one that PROJ knows") !=
+        std::string::npos);
+}
+
+TEST_CASE("of two rules that match a source the later one counts, field by field") {
+  const std::vector<SourceRule> rules{
+      {"*", {.nodata = -1.0, .unit = "m"}}, {"*_ft.tif", {.unit = "ft"}}, {"/data/b/*", {.priority = 3}}};
+  CHECK(overrides_of("/data/a/x.tif", rules) == SourceOverrides{.nodata = -1.0, .unit = "m"});
+  CHECK(overrides_of("/data/b/x_ft.tif", rules) ==
+        SourceOverrides{.nodata = -1.0, .unit = "ft", .priority = 3});
+  CHECK(overrides_of("x.tif", {}) == SourceOverrides{});
+}
+
+TEST_CASE("rules count for a packed raster by the archive's name") {
+  const TempDir folder;
+  const auto plain = folder.path() / "inside.tif", packed = folder.path() / "outside.zip";
+  write_tiff(plain, level_ground(10));
+  write_bytes(packed, zipped({{"inside.tif", read_bytes(plain)}}));
+  OpenOptions options;
+  options.rules = {{"outside*", {.unit = "ft"}}, {"inside*", {.unit = "km"}}};
+  CHECK(static_cast<double>(all_heights(*opened(packed, options))[0]) == Approx(10 * kFoot));
 }
 
 TEST_CASE("images of 9 to 15 bits are scaled by their bits, not by their type's") {
