@@ -4,6 +4,7 @@
 
 #include "builder/bake/memory_budget.h"
 #include "builder/raster/footprint.h"
+#include "builder/raster/gdal_name.h"
 
 namespace cairn {
 namespace {
@@ -59,6 +60,7 @@ std::vector<std::filesystem::path> files_of(const BuildOptions& options) {
   const auto& images = options.imagery.inputs;
   files.insert(files.end(), images.begin(), images.end());
   if (options.mosaic.geoid) files.push_back(*options.mosaic.geoid);
+  for (auto& file : files) file = file_of_gdal_name(file).value_or(file);
   return files;
 }
 

@@ -17,6 +17,7 @@
 #include "builder/bake/memory_budget.h"
 #include "builder/bake/output_check.h"
 #include "builder/raster/expand_inputs.h"
+#include "builder/raster/gdal_name.h"
 #include "builder/raster/raster_source.h"
 #include "builder/raster/source_overrides.h"
 #include "cairn/bake_estimate.h"
@@ -125,6 +126,7 @@ Status check_report(const std::string& report, const BuildOptions& options) {
   if (report.empty()) return {};
   std::vector<std::filesystem::path> others = options.mosaic.inputs;
   others.insert(others.end(), options.imagery.inputs.begin(), options.imagery.inputs.end());
+  for (auto& other : others) other = file_of_gdal_name(other).value_or(other);
   if (options.mosaic.geoid) others.push_back(*options.mosaic.geoid);
   for (const char* suffix : {"", ".part", ".journal"}) {
     others.push_back(std::filesystem::path(options.session.target).concat(suffix));

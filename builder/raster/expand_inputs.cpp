@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fnmatch.h>
 
+#include "builder/raster/gdal_name.h"
 #include "builder/raster/packed_raster.h"
 #include "builder/raster/raster_names.h"
 
@@ -87,6 +88,10 @@ Status expand_named(const std::string& argument, const InputSearch& search, Inpu
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return expand_folder(path, search, out);
   if (fs::exists(path, ignored)) {
+    out.files.push_back(path);
+    return {};
+  }
+  if (file_of_gdal_name(path)) {
     out.files.push_back(path);
     return {};
   }

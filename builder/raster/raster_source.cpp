@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "builder/raster/gdal_name.h"
 #include "builder/raster/io/input_file.h"
 #include "builder/raster/source_overrides.h"
 
@@ -31,6 +32,7 @@ Result<std::unique_ptr<RasterSource>> open_raster(const std::filesystem::path& p
                                                   const OpenOptions& asked) {
   OpenOptions options = asked;
   if (!options.rules.empty()) options.overrides = overrides_of(path, options.rules);
+  if (file_of_gdal_name(path)) return formats_in_order().back()->open(path, options);
   auto file = InputFile::open(path);
   if (!file) return file.error();
   std::vector<std::byte> first(static_cast<std::size_t>(std::min<std::uint64_t>(file->size(), kFirstBytes)));
