@@ -255,8 +255,7 @@ TEST_CASE("a region of a fine DEM over one of the whole Earth is baked") {
   BuildOptions options = bake_options({fine, world}, folder.path() / "o.cairn");
   for (const GeoBounds& region :
        {GeoBounds{117, 21, 125, 27}, GeoBounds{121.25, 24.25, 121.5, 24.5}, GeoBounds{122, 24, 123, 25},
-        GeoBounds{-10, -10, 10, 10}, GeoBounds{120.7, 24.9, 121.4, 25.3}, GeoBounds{121.5, 23, 150, 24.6},
-        GeoBounds{170, 60, 190, 88}}) {
+        GeoBounds{-10, -10, 10, 10}, GeoBounds{120.7, 24.9, 121.4, 25.3}, GeoBounds{121.5, 23, 150, 24.6}}) {
     options.grid.region = region;
     INFO(region.west << " " << region.south);
     REQUIRE(dry_run(options).ok());
