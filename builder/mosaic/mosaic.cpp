@@ -13,7 +13,7 @@ namespace cairn {
 namespace {
 
 constexpr std::size_t kFirstCacheBytes = std::size_t{8} << 20;  // while little is read
-constexpr std::size_t kMostBlockBytes = std::size_t{48} << 20;
+constexpr std::size_t kMostBlockBytes = std::size_t{24} << 20;
 constexpr double kTouch = 1e-8;  // degrees: a footprint that ends on a tile's edge touches it
 
 GeoBounds bounds_of(const SampleWindow& w) {
