@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <string>
-#include <unordered_set>
 #include <utility>
 
 namespace cairn::gl {
@@ -16,32 +15,21 @@ std::uint32_t first_layers(std::size_t expected) {
 
 }  // namespace
 
-ResidentTiles::ResidentTiles(int tile_size, double quantum_m, std::size_t expected, PreparedHeights& uploads)
+ResidentTiles::ResidentTiles(int tile_size, std::size_t expected)
     : tile_size_(tile_size),
-      quantum_m_(quantum_m),
-      prepared_(uploads),
       heights_(tile_size, first_layers(expected)),
       imagery_{ImageryTextures(TextureFormat::bc1, tile_size - 1, first_layers(expected)),
                ImageryTextures(TextureFormat::bc3, tile_size - 1, first_layers(expected)),
                ImageryTextures(TextureFormat::bc7, tile_size - 1, first_layers(expected))} {}
 
-void ResidentTiles::begin_frame(std::span<const TileKey> evicted, std::span<const ShownTile> shown) {
+void ResidentTiles::begin_frame(const SurfaceFrame& frame) {
   uploaded_ = 0;
-  for (const TileKey& key : evicted) {
-    if (key.layer == Layer::heights) prepared_.forget(key.id);
+  for (const TileKey& key : frame.released) release(key);
+  for (const SurfaceTextures& fresh : frame.fresh) {
+    const std::uint32_t layer = heights_.add(fresh.id, fresh);
+    resident_.insert_or_assign(fresh.id, ResidentHeights{fresh.id, layer, fresh.heights.base, fresh.heights.shift});
+    ++uploaded_;
   }
-  evicted_.insert(evicted_.end(), evicted.begin(), evicted.end());
-  if (evicted_.empty()) return;
-  std::unordered_set<TileKey> used;
-  for (const ShownTile& each : shown) {
-    used.insert({Layer::heights, each.tile.heights_id});
-    used.insert({Layer::imagery, each.tile.imagery_id});
-  }
-  std::erase_if(evicted_, [&](const TileKey& key) {
-    if (used.contains(key)) return false;
-    release(key);
-    return true;
-  });
 }
 
 void ResidentTiles::release(const TileKey& key) {
@@ -49,23 +37,14 @@ void ResidentTiles::release(const TileKey& key) {
     for (ImageryTextures& array : imagery_) array.release(key.id);
     return;
   }
-  surfaces_.erase(key.id);
+  resident_.erase(key.id);
   heights_.release(key.id);
 }
 
-const ResidentHeights* ResidentTiles::heights_of(const RenderTile& tile) {
+const ResidentHeights* ResidentTiles::heights_of(const RenderTile& tile) const {
   if (!tile.heights) return nullptr;
-  const auto known = surfaces_.find(tile.heights_id);
-  if (known != surfaces_.end()) return &known->second;
-  HeightUpload upload = prepared_.take(tile.heights_id, *tile.heights, quantum_m_);
-  heights_.add(tile.heights_id, upload);
-  ++uploaded_;
-  const HeightTexels& texels = upload.heights;
-  ResidentHeights resident{
-      {tile.heights_id, tile.heights, quantum_m_, texels.shift == 0, std::move(upload.relief)},
-      texels.base,
-      texels.shift};
-  return &surfaces_.insert_or_assign(tile.heights_id, std::move(resident)).first->second;
+  const auto known = resident_.find(tile.heights_id);
+  return known == resident_.end() ? nullptr : &known->second;
 }
 
 std::optional<std::size_t> ResidentTiles::array_for(TextureFormat format) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,14 +11,14 @@
 #include "cairn/status.h"
 #include "runtime/gl/tile_textures.h"
 #include "cairn/render_list.h"
-#include "runtime/surface/height_preparation.h"
-#include "runtime/surface/lod_transition.h"
+#include "cairn/surface.h"
 
 namespace cairn::gl {
 
-/// A tile of heights that is on the GPU.
+/// Where a tile of heights is on the GPU, and how its texels are read.
 struct ResidentHeights {
-  SurfaceTile surface;
+  TileId id;
+  std::uint32_t layer = 0;
   std::int32_t base = 0;  ///< of HeightTexels
   int shift = 0;
 };
@@ -28,23 +29,21 @@ struct ImageryPlace {
   std::uint32_t layer = 0;
 };
 
-/// The tiles that frames show, uploaded when first asked for, and kept until they are evicted from memory: so
-/// that a tile is prepared once, on a worker.
+/// The tiles that frames show, uploaded when first shown, and kept until a frame releases them.
 class ResidentTiles {
  public:
   /// `expected`: tiles of a layer that there will be at most, as far as is known.
-  ResidentTiles(int tile_size, double quantum_m, std::size_t expected, PreparedHeights& uploads);
+  ResidentTiles(int tile_size, std::size_t expected);
 
-  /// `evicted` are no longer in memory: what was prepared for them is dropped, and their textures with
-  /// the first frame that shows them no more, whose tiles are `shown`.
-  void begin_frame(std::span<const TileKey> evicted, std::span<const ShownTile> shown);
+  /// Takes the heights that a frame brings, and drops what it releases.
+  void begin_frame(const SurfaceFrame& frame);
   /// nullptr where the tile has none.
-  const ResidentHeights* heights_of(const RenderTile& tile);
-  std::uint32_t height_layer(const ResidentHeights& heights) { return *heights_.find(heights.surface.id); }
+  const ResidentHeights* heights_of(const RenderTile& tile) const;
   /// nullopt where the tile has none or the context cannot read its format.
   std::optional<ImageryPlace> imagery_of(const RenderTile& tile);
 
   void bind() const;  ///< heights, normals and the three formats to the units 0…4
+  int cells_log2() const { return std::countr_zero(static_cast<unsigned>(tile_size_ - 1)); }
   int tile_size() const { return tile_size_; }
   std::size_t uploads() const { return uploaded_; }  ///< tiles of this frame
   std::uint64_t bytes() const;
@@ -56,12 +55,9 @@ class ResidentTiles {
   std::optional<std::size_t> array_for(TextureFormat format);
 
   int tile_size_;
-  double quantum_m_;
-  PreparedHeights& prepared_;
   HeightTextures heights_;
   std::array<ImageryTextures, 3> imagery_;
-  std::unordered_map<TileId, ResidentHeights> surfaces_;
-  std::vector<TileKey> evicted_;  // and shown on
+  std::unordered_map<TileId, ResidentHeights> resident_;
   std::array<bool, 3> refused_{};
   std::vector<Error> errors_;
   std::size_t uploaded_ = 0;

@@ -86,7 +86,7 @@ HeightTextures::HeightTextures(int tile_size, std::uint32_t first_layers)
       heights_(GL_R16, tile_size, 1),
       normals_(GL_COMPRESSED_SIGNED_RG_RGTC2, tile_size - 1, kNormalMips) {}
 
-std::uint32_t HeightTextures::add(const TileId& id, const HeightUpload& upload) {
+std::uint32_t HeightTextures::add(const TileId& id, const SurfaceTextures& upload) {
   const std::uint32_t layer = layer_for(slots_, id, first_layers_, [this](std::uint32_t capacity) {
     heights_.grow(capacity, filter_without_mips);
     normals_.grow(capacity, filter_linear);

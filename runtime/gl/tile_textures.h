@@ -9,7 +9,7 @@
 #include "cairn/texture_tile.h"
 #include "runtime/gl/layer_array.h"
 #include "runtime/gl/slot_pool.h"
-#include "runtime/surface/height_preparation.h"
+#include "cairn/surface.h"
 
 namespace cairn::gl {
 
@@ -22,7 +22,7 @@ class HeightTextures {
   void release(const TileId& id) { slots_.release(id); }
   std::optional<std::uint32_t> find(const TileId& id) { return slots_.find(id); }
   /// REQUIRES: find() has said no. Grows where all layers are in use.
-  std::uint32_t add(const TileId& id, const HeightUpload& upload);
+  std::uint32_t add(const TileId& id, const SurfaceTextures& upload);
   void bind(GLuint heights_unit, GLuint normals_unit) const;
   std::uint64_t bytes() const;
 

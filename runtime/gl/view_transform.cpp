@@ -19,13 +19,6 @@ glm::dmat4 clip_from_eye(const CameraFrame& camera, const ViewState& view) {
   return glm::transpose(rows);
 }
 
-glm::mat4 ray_from_clip(const CameraFrame& camera, const ViewState& view) {
-  const double t = std::tan(glm::radians(view.fov_y_deg) / 2);
-  const double aspect = static_cast<double>(view.viewport_width_px) / view.viewport_height_px;
-  return glm::mat4(glm::dmat4{glm::dvec4(camera.right * (t * aspect), 0), glm::dvec4(camera.up * t, 0),
-                              glm::dvec4(0), glm::dvec4(camera.forward, 0)});
-}
-
 glm::dvec4 horizon_plane(const glm::dvec3& eye) {
   constexpr double kDeepest = 12000, kHighest = 10000;  // no ground is lower, higher
   const glm::dvec3 radii = glm::dvec3(kEquatorialRadius, kEquatorialRadius, kPolarRadius) - kDeepest;

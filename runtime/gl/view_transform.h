@@ -15,9 +15,6 @@ inline constexpr double kNear_m = 0.05;
 /// near plane, 0 infinitely far.
 glm::dmat4 clip_from_eye(const CameraFrame& camera, const ViewState& view);
 
-/// Rays from the eye through the corners of the picture, as a matrix on clip coordinates.
-glm::mat4 ray_from_clip(const CameraFrame& camera, const ViewState& view);
-
 /// A plane, for positions relative to the eye, that all the ground before the horizon lies inside of, and
 /// most of the Earth's far side outside: a hole in the ground must not show the inside of the antipodes.
 ///

@@ -27,7 +27,7 @@ struct WholeMesh {
 WholeMesh joined(const LodMesh& mesh) {
   WholeMesh whole;
   std::unordered_map<LodVertex, std::uint32_t, LodVertexHash> numbers;
-  for (const LodTileMesh& tile : mesh.tiles) {
+  const auto add = [&](const LodTileMesh& tile) {
     std::vector<std::uint32_t> own;
     for (const LodVertex& v : tile.vertices) {
       const LodVertex key{canonical(v.point), v.height_m};
@@ -36,7 +36,9 @@ WholeMesh joined(const LodMesh& mesh) {
       own.push_back(it->second);
     }
     for (const LodTriangle& t : tile.triangles) whole.triangles.push_back({own[t[0]], own[t[1]], own[t[2]]});
-  }
+  };
+  for (const LodTileMesh& tile : mesh.tiles) add(tile);
+  add(mesh.walls);
   return whole;
 }
 

@@ -24,11 +24,12 @@ struct NumberedEdge {
 class Edges {
  public:
   explicit Edges(const LodMesh& mesh) : mesh_(mesh) {
-    std::size_t vertices = 0;
+    std::size_t vertices = mesh.walls.vertices.size();
     for (const LodTileMesh& tile : mesh.tiles) vertices += tile.vertices.size();
     numbers_.reserve(vertices);
     edges_.reserve(3 * mesh.triangle_count());
-    for (std::size_t i = 0; i < mesh.tiles.size(); ++i) add(i);
+    for (std::size_t i = 0; i < mesh.tiles.size(); ++i) add(mesh.tiles[i], static_cast<std::uint32_t>(i));
+    add(mesh.walls, kWalls);
     std::sort(edges_.begin(), edges_.end(),
               [](const NumberedEdge& a, const NumberedEdge& b) { return a.ends < b.ends; });
   }
@@ -39,9 +40,14 @@ class Edges {
     for (std::size_t i = 0; i < edges_.size();) {
       std::size_t end = i;
       std::uint32_t backward = 0;
-      for (; end < edges_.size() && edges_[end].ends == edges_[i].ends; ++end)
+      bool is_walled = false;
+      for (; end < edges_.size() && edges_[end].ends == edges_[i].ends; ++end) {
         backward += edges_[end].side & 1;
-      const bool joined = end - i == 2 && backward == 1;
+        is_walled |= edges_[end].tile == kWalls;
+      }
+      // Where walls meet at an upright edge, or both rims have one, there may be twice two.
+      const bool joined =
+          is_walled ? (end - i) % 2 == 0 || is_at_pole(edge(edges_[i])) : end - i == 2 && backward == 1;
       cracks += !joined && !(end - i == 1 && is_outer(edge(edges_[i])));
       i = end;
     }
@@ -49,8 +55,18 @@ class Edges {
   }
 
  private:
-  void add(std::size_t index) {
-    const LodTileMesh& tile = mesh_.tiles[index];
+  static constexpr std::uint32_t kWalls = 0xFFFFFFFFu;
+
+  const LodTileMesh& tile_of(const NumberedEdge& e) const {
+    return e.tile == kWalls ? mesh_.walls : mesh_.tiles[e.tile];
+  }
+
+  /// A pole is one place on all meridians.
+  static bool is_at_pole(const Edge& edge) {
+    return edge.from.y == edge.to.y && (edge.from.y == 0 || edge.from.y == kLatticePoleToPole);
+  }
+
+  void add(const LodTileMesh& tile, std::uint32_t index) {
     std::vector<std::uint32_t> numbers;
     numbers.reserve(tile.vertices.size());
     for (const LodVertex& v : tile.vertices) {
@@ -61,14 +77,14 @@ class Edges {
       for (std::size_t side = 0; side < 3; ++side) {
         const std::uint64_t a = numbers[tile.triangles[t][side]],
                             b = numbers[tile.triangles[t][(side + 1) % 3]];
-        edges_.push_back({std::min(a, b) << 32 | std::max(a, b), static_cast<std::uint32_t>(index),
+        edges_.push_back({std::min(a, b) << 32 | std::max(a, b), index,
                           static_cast<std::uint32_t>(2 * (3 * t + side) + (a > b ? 1 : 0))});
       }
     }
   }
 
   Edge edge(const NumberedEdge& e) const {
-    const LodTileMesh& tile = mesh_.tiles[e.tile];
+    const LodTileMesh& tile = tile_of(e);
     const LodTriangle& t = tile.triangles[e.side / 6];
     const std::size_t side = e.side / 2 % 3;
     return {tile.vertices[t[side]].point, tile.vertices[t[(side + 1) % 3]].point};

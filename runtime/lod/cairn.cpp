@@ -36,7 +36,7 @@
 #include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/prepared_tiles.h"
-#include "runtime/lod/mesh/screen_error_budget.h"
+#include "runtime/view/screen_error_budget.h"
 #include "runtime/lod/mesh/square_errors.h"
 #include "runtime/lod/mesh/subtriangle_error_ranges.h"
 #include "runtime/lod/mesh/tile_culling.h"
@@ -179,7 +179,7 @@ class Cairn : public LodMethod {
   std::uint64_t prepared_bytes() const override { return prepared_.bytes() + forest_.bytes(); }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
-    const ScreenErrorBudget budget(view, scene.lowest_m);
+    const ScreenErrorBudget budget(view.view, view.tolerance_px, scene.lowest_m);
     const auto select = [&] {
       const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
       forest_.begin();

@@ -28,10 +28,10 @@
 #include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/patches.h"
-#include "runtime/lod/mesh/screen_error_budget.h"
+#include "runtime/view/screen_error_budget.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
-#include "runtime/lod/mesh/vertex_errors.h"
+#include "runtime/surface/vertex_errors.h"
 #include "cairn/geodesy.h"
 #include "runtime/view/view_frustum.h"
 
@@ -198,7 +198,7 @@ class Rqt : public LodMethod {
   }
 
   void choose(const LodScene& scene, const LodView& view, const std::vector<std::size_t>& drawn) {
-    const ScreenErrorBudget budget(view, scene.lowest_m);
+    const ScreenErrorBudget budget(view.view, view.tolerance_px, scene.lowest_m);
     const ViewFrustum frustum(view.view, Occluder(scene.lowest_m));
     const glm::dvec3 eye = camera_frame(view.view).position;
     forest_.begin();

@@ -30,10 +30,10 @@
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/index_forms.h"
 #include "runtime/lod/mesh/prepared_tiles.h"
-#include "runtime/lod/mesh/screen_error_budget.h"
+#include "runtime/view/screen_error_budget.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
-#include "runtime/lod/mesh/vertex_errors.h"
+#include "runtime/surface/vertex_errors.h"
 #include "runtime/lod/mesh/vertex_numbers.h"
 #include "cairn/geodesy.h"
 
@@ -227,7 +227,7 @@ class Soar : public LodMethod {
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
     const auto select = [&] {
-      const ScreenErrorBudget budget(view, scene.lowest_m);
+      const ScreenErrorBudget budget(view.view, view.tolerance_px, scene.lowest_m);
       const std::vector<std::size_t> drawn = tiles_in_view(scene, view);
       forest_.begin();
       for (const std::size_t i : drawn)

@@ -6,33 +6,41 @@
 #include <GeographicLib/Constants.hpp>
 #include <GeographicLib/Math.hpp>
 
-namespace cairn::gl {
+#include "runtime/view/sample_lattice.h"
+
+namespace cairn {
+
+ColumnEntry column_entry(std::int64_t x) {
+  const double lon = x >= kLatticeAround ? -180 : place_of({x, 0}).lon;
+  ColumnEntry entry;
+  GeographicLib::Math::sincosd(lon, entry.y, entry.x);
+  return entry;
+}
+
+RowEntry row_entry(std::int64_t y) {
+  const double a = GeographicLib::Constants::WGS84_a();
+  const double f = GeographicLib::Constants::WGS84_f();
+  const double e2 = f * (2 - f);
+  double sin_lat = 0, cos_lat = 0;
+  GeographicLib::Math::sincosd(place_of({0, std::min(y, kLatticePoleToPole)}).lat, sin_lat, cos_lat);
+  const double n = a / std::sqrt(1 - e2 * sin_lat * sin_lat);
+  return {n * cos_lat, cos_lat, n * (1 - e2) * sin_lat, sin_lat};
+}
 
 std::vector<ColumnEntry> column_table(int level, std::int32_t x, int tile_size) {
-  const double width = tile_width_degrees(level);
-  std::vector<ColumnEntry> table(static_cast<std::size_t>(tile_size));
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    const double east_of_origin = (x + static_cast<double>(i) / (tile_size - 1)) * width;
-    const double lon = east_of_origin >= 360 ? -180 : east_of_origin - 180;
-    GeographicLib::Math::sincosd(lon, table[i].y, table[i].x);
-  }
+  const std::int64_t spacing = lattice_width(level) / (tile_size - 1);
+  std::vector<ColumnEntry> table;
+  table.reserve(static_cast<std::size_t>(tile_size));
+  for (int i = 0; i < tile_size; ++i) table.push_back(column_entry(x * lattice_width(level) + i * spacing));
   return table;
 }
 
 std::vector<RowEntry> row_table(int level, std::int32_t y, int tile_size) {
-  const double width = tile_width_degrees(level);
-  const double a = GeographicLib::Constants::WGS84_a();
-  const double f = GeographicLib::Constants::WGS84_f();
-  const double e2 = f * (2 - f);
-  std::vector<RowEntry> table(static_cast<std::size_t>(tile_size));
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    const double lat = std::min((y + static_cast<double>(i) / (tile_size - 1)) * width - 90, 90.0);
-    double sin_lat = 0, cos_lat = 0;
-    GeographicLib::Math::sincosd(lat, sin_lat, cos_lat);
-    const double n = a / std::sqrt(1 - e2 * sin_lat * sin_lat);
-    table[i] = {n * cos_lat, cos_lat, n * (1 - e2) * sin_lat, sin_lat};
-  }
+  const std::int64_t spacing = lattice_width(level) / (tile_size - 1);
+  std::vector<RowEntry> table;
+  table.reserve(static_cast<std::size_t>(tile_size));
+  for (int i = 0; i < tile_size; ++i) table.push_back(row_entry(y * lattice_width(level) + i * spacing));
   return table;
 }
 
-}  // namespace cairn::gl
+}  // namespace cairn

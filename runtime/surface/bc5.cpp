@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-namespace cairn::gl {
+namespace cairn {
 namespace {
 
 using Channel = std::array<std::int8_t, 16>;
@@ -47,4 +47,4 @@ void append_bc5(std::span<const SignedPair> texels, int size, std::vector<std::b
   }
 }
 
-}  // namespace cairn::gl
+}  // namespace cairn

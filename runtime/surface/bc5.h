@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace cairn::gl {
+namespace cairn {
 
 /// A pair of values from -127 (−1) to 127 (+1): what signed BC5 stores.
 struct SignedPair {
@@ -20,4 +20,4 @@ struct SignedPair {
 /// size·size.
 void append_bc5(std::span<const SignedPair> texels, int size, std::vector<std::byte>& out);
 
-}  // namespace cairn::gl
+}  // namespace cairn

@@ -4,7 +4,7 @@
 
 #include "runtime/surface/surface_tile.h"
 
-namespace cairn::gl {
+namespace cairn {
 namespace {
 
 LatticePoint lattice_point_at(LonLat place) {
@@ -24,7 +24,10 @@ bool shows(const RenderTile& tile, LonLat place) {
 
 std::optional<double> height_of(const RenderTile& tile, double quantum_m, double detail, LonLat place) {
   if (!tile.heights) return std::nullopt;
-  const SurfaceTile surface{tile.heights_id, tile.heights, quantum_m, true, {}};
+  SurfaceTile surface;
+  surface.id = tile.heights_id;
+  surface.heights = tile.heights;
+  surface.quantum_m = quantum_m;
   const float height = height_at(ShownSurface::of(&surface, detail), lattice_point_at(place));
   return std::isnan(height) ? std::nullopt : std::optional(static_cast<double>(height));
 }
@@ -47,4 +50,4 @@ std::optional<double> drawn_ground_m(std::span<const ShownTile> tiles, double qu
   return std::nullopt;
 }
 
-}  // namespace cairn::gl
+}  // namespace cairn

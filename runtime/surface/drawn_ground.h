@@ -7,7 +7,7 @@
 #include "cairn/render_list.h"
 #include "runtime/surface/lod_transition.h"
 
-namespace cairn::gl {
+namespace cairn {
 
 /// The height of the ground at a place as the renderer draws it at full detail: of the triangles between the
 /// samples, whose diagonals run from south-west to north-east. Terrain::ground_height_m() gives the bilinear
@@ -18,4 +18,4 @@ std::optional<double> drawn_ground_m(const RenderList& list, double quantum_m, L
 /// The same with no more detail than a frame shows.
 std::optional<double> drawn_ground_m(std::span<const ShownTile> tiles, double quantum_m, LonLat place);
 
-}  // namespace cairn::gl
+}  // namespace cairn

@@ -4,30 +4,43 @@
 
 #include "runtime/surface/normal_map.h"
 
-namespace cairn::gl {
+namespace cairn {
 
-HeightUpload prepare_heights(const TileId& id, const HeightTile& tile, double quantum_m) {
-  return {height_texels(tile), normal_map(id, tile, quantum_m), relief_of(tile, quantum_m)};
+HeightTexels height_texels(const HeightTile& tile) {
+  const auto is_gone = [&](std::size_t i) { return !tile.voids.empty() && tile.voids[i] != 0; };
+  const auto [low, high] = range_of(tile);
+  const std::int64_t span = static_cast<std::int64_t>(high) - low;
+  HeightTexels out;
+  out.base = low;
+  while ((span >> out.shift) >= kVoidTexel) ++out.shift;
+  out.texels.resize(tile.samples.size());
+  for (std::size_t i = 0; i < tile.samples.size(); ++i) {
+    const std::int64_t above = static_cast<std::int64_t>(tile.samples[i]) - low;
+    out.texels[i] = is_gone(i) ? kVoidTexel : static_cast<std::uint16_t>(above >> out.shift);
+  }
+  return out;
 }
 
-ReadTile PreparedHeights::preparing(ReadTile read, double quantum_m) {
-  return [this, read = std::move(read), quantum_m](const IndexEntry& entry) {
-    Result<LoadedTile> tile = read(entry);
-    if (tile && tile->heights) {
-      HeightUpload upload = prepare_heights(entry.id, *tile->heights, quantum_m);
-      const std::lock_guard lock(mutex_);
-      ready_.insert_or_assign(entry.id, std::move(upload));
-    }
-    return tile;
-  };
+PreparedHeightTile prepare_heights(const TileId& id, std::shared_ptr<const HeightTile> tile,
+                                   double quantum_m) {
+  HeightTexels texels = height_texels(*tile);
+  std::vector<std::byte> normals = normal_map(id, *tile, quantum_m);
+  return {{id, std::move(texels), std::move(normals)}, prepare_surface_tile(id, std::move(tile), quantum_m, false)};
 }
 
-HeightUpload PreparedHeights::take(const TileId& id, const HeightTile& tile, double quantum_m) {
+void PreparedHeights::add(const TileId& id, std::shared_ptr<const HeightTile> tile, double quantum_m) {
+  PreparedHeightTile prepared = prepare_heights(id, std::move(tile), quantum_m);
+  const std::lock_guard lock(mutex_);
+  ready_.insert_or_assign(id, std::move(prepared));
+}
+
+PreparedHeightTile PreparedHeights::take(const TileId& id, std::shared_ptr<const HeightTile> tile,
+                                         double quantum_m) {
   {
     const std::lock_guard lock(mutex_);
     if (auto node = ready_.extract(id)) return std::move(node.mapped());
   }
-  return prepare_heights(id, tile, quantum_m);
+  return prepare_heights(id, std::move(tile), quantum_m);
 }
 
 void PreparedHeights::forget(const TileId& id) {
@@ -35,4 +48,4 @@ void PreparedHeights::forget(const TileId& id) {
   ready_.erase(id);
 }
 
-}  // namespace cairn::gl
+}  // namespace cairn

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <unordered_map>
@@ -8,34 +9,36 @@
 
 #include "cairn/height_tile.h"
 #include "cairn/read_tile.h"
+#include "cairn/surface.h"
 #include "runtime/surface/surface_tile.h"
 
-namespace cairn::gl {
+namespace cairn {
 
-/// What the GPU takes of a tile of heights, and what the mesh needs to know of it.
-struct HeightUpload {
-  HeightTexels heights;
-  std::vector<std::byte> normals;  ///< normal_map()
-  TileRelief relief;
+HeightTexels height_texels(const HeightTile& tile);
+
+/// What is made of a tile of heights when it is loaded.
+struct PreparedHeightTile {
+  SurfaceTextures textures;
+  SurfaceTile surface;
 };
-HeightUpload prepare_heights(const TileId& id, const HeightTile& tile, double quantum_m);
+PreparedHeightTile prepare_heights(const TileId& id, std::shared_ptr<const HeightTile> tile,
+                                   double quantum_m);
 
 /// Prepares tiles where they are decoded, on the worker threads, and keeps the result until the renderer
 /// takes it. Any thread may call any of it.
 class PreparedHeights {
  public:
-  /// `read`, with every tile of heights prepared before it is handed on. `this` must outlive what it returns.
-  ReadTile preparing(ReadTile read, double quantum_m);
+  void add(const TileId& id, std::shared_ptr<const HeightTile> tile, double quantum_m);
 
   /// The result for a tile, which is then forgotten; prepares it here if it is not there.
-  HeightUpload take(const TileId& id, const HeightTile& tile, double quantum_m);
+  PreparedHeightTile take(const TileId& id, std::shared_ptr<const HeightTile> tile, double quantum_m);
 
   /// Drops what was prepared for a tile that is no longer in memory.
   void forget(const TileId& id);
 
  private:
   std::mutex mutex_;
-  std::unordered_map<TileId, HeightUpload> ready_;  // guarded by mutex_
+  std::unordered_map<TileId, PreparedHeightTile> ready_;  // guarded by mutex_
 };
 
-}  // namespace cairn::gl
+}  // namespace cairn

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace cairn::gl {
+namespace cairn {
 namespace {
 
 double level_of(const RenderTile& tile) {
@@ -20,7 +20,7 @@ bool contains(const TileId& outer, const TileId& inner) {
 /// levels adds at most.
 double moved(double detail, double wanted, const SurfaceTile& surface, double allowed_m,
              double longest_fade) {
-  const DecimationErrors& errors = surface.relief.whole.errors;
+  const DecimationErrors& errors = surface.errors;
   double left_m = allowed_m, at = detail;
   while (at != wanted) {
     const bool up = wanted > at;
@@ -127,4 +127,4 @@ std::span<const ShownTile> LodTransition::update(const RenderList& list, const F
   return shown_;
 }
 
-}  // namespace cairn::gl
+}  // namespace cairn

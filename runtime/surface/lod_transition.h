@@ -9,7 +9,7 @@
 #include "cairn/render_list.h"
 #include "runtime/surface/surface_tile.h"
 
-namespace cairn::gl {
+namespace cairn {
 
 /// A tile of a frame and the detail that the frame shows of its heights.
 struct ShownTile {
@@ -57,4 +57,4 @@ class LodTransition {
   std::vector<ShownTile> shown_;  // depth first, as a cover
 };
 
-}  // namespace cairn::gl
+}  // namespace cairn

@@ -9,7 +9,7 @@
 #include "runtime/surface/bc5.h"
 #include "cairn/geodesy.h"
 
-namespace cairn::gl {
+namespace cairn {
 namespace {
 
 struct Slopes {
@@ -88,4 +88,4 @@ std::vector<std::byte> normal_map(const TileId& id, const HeightTile& tile, doub
   return blocks;
 }
 
-}  // namespace cairn::gl
+}  // namespace cairn

@@ -1,46 +1,34 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
-#include "runtime/surface/mesh_plan.h"
+#include "cairn/view_state.h"
+#include "runtime/surface/patch_neighbours.h"
+#include "runtime/surface/surface_patch.h"
 
-namespace cairn::gl {
+namespace cairn {
 
-enum class Side { south, north, west, east };
-
-/// Where two patches touch: `along` runs over the latitude of a west or east side, the longitude of a south
-/// or north side, in lattice units.
-struct SharedSegment {
-  std::size_t finer = 0;  ///< the patch of the finer level, or either of equal ones
-  Side finer_side = Side::south;
-  std::size_t coarser = 0;
-  std::int64_t along_first = 0;
-  std::int64_t along_last = 0;
-
-  Side coarser_side() const;
+/// For whom a surface is drawn, and how well.
+struct SurfaceRules {
+  ViewState view;
+  double tolerance_px = 1;  ///< screen error that the mesh may add to the tiles' own
+  double lowest_m = 0;      ///< no ground of the scene is lower
+  bool cull = true;         ///< what is certainly outside the picture or below the horizon is left out
 };
 
-/// A part of an area, with what is known of it before its grid is chosen.
-struct Patch {
-  TileId area;
-  std::size_t from = 0;
-  ShownSurface surface;
-  double distance_m = 0;  ///< from the eye to the nearest point, or less
-  bool moves = false;
+struct PatchPartition {
+  std::vector<SurfacePatch> patches;
+  std::vector<SharedSegment> segments;
 };
 
-/// The areas, split until a grid of a block's size keeps the tolerance, and until neighbours differ by
-/// kMaxLevelStep at most; without the parts that rules.inward hides.
-std::vector<Patch> partition_areas(std::span<const MeshArea> areas, const MeshRules& rules);
+/// Returns the areas' patches, each with the coarsest triangulation that keeps the tolerance there.
+///
+/// A patch is split until one tolerance suits all of it, but not below 16 samples; until its cells are small
+/// enough for the Earth's curvature; and until neighbours differ by kMaxLevelStep levels at most, so that the
+/// larger one has a vertex where a smaller one ends. What overhangs the world is left out.
+PatchPartition partition_areas(std::span<const SurfaceArea> areas, const SurfaceRules& rules);
+inline constexpr int kMaxLevelStep = 4;
 
-/// Every segment that two patches share, each once.
-std::vector<SharedSegment> shared_segments(std::span<const Patch> patches);
-
-/// log2 of the cells along a side that keep the tolerance: of the decimated heights' deviation plus that of
-/// the chords from the ellipsoid, R(δφ²+δλ²cos²φ)/8, the error of linear interpolation. Half the tolerance
-/// where the patch moves.
-int cells_log2_for_eye(const Patch& patch, const MeshRules& rules);
-
-}  // namespace cairn::gl
+}  // namespace cairn

@@ -4,68 +4,41 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
-namespace cairn::gl {
+#include <glm/trigonometric.hpp>
+
+#include "cairn/geodesy.h"
+#include "format/rqt_steps.h"
+#include "runtime/surface/area_sphere.h"
+
+namespace cairn {
 namespace {
 
-/// A square of samples, both edges included.
-struct Square {
-  int column = 0;
-  int row = 0;
-  int cells = 0;
-};
-
-/// The largest deviation of samples at odd multiples of `step` from the triangles through the even ones.
-double deviation_of_step(const HeightTile& tile, const Square& square, int step) {
+/// The largest deviation, in quanta, of samples at odd multiples of `step` from the triangles through the
+/// even ones.
+double deviation_of_step(const HeightTile& tile, int step) {
   std::int64_t twice_worst = 0;
   const auto compare = [&](int c, int r, int dc, int dr) {
     const std::int64_t ends = static_cast<std::int64_t>(tile.at(c - dc, r - dr)) + tile.at(c + dc, r + dr);
     twice_worst = std::max(twice_worst, std::abs(ends - 2 * static_cast<std::int64_t>(tile.at(c, r))));
   };
-  for (int j = 0; j <= square.cells; j += step) {
-    const bool odd_row = (j / step) % 2 == 1;
-    for (int i = odd_row ? 0 : step; i <= square.cells; i += odd_row ? step : 2 * step) {
-      const bool odd_column = (i / step) % 2 == 1;
-      compare(square.column + i, square.row + j, odd_column ? step : 0, odd_row ? step : 0);
+  const int cells = tile.size - 1;
+  for (int r = 0; r <= cells; r += step) {
+    const bool odd_row = (r / step) % 2 == 1;
+    for (int c = odd_row ? 0 : step; c <= cells; c += odd_row ? step : 2 * step) {
+      const bool odd_column = (c / step) % 2 == 1;
+      const bool is_centre = odd_column && odd_row;
+      if (!is_centre || diagonal_rises(true, tile.size, c - step, r - step, 2 * step)) {
+        compare(c, r, odd_column ? step : 0, odd_row ? step : 0);
+      }
+      // Which way the diagonal of the tile itself runs depends on the tile's place.
+      if (is_centre && (2 * step == cells || !diagonal_rises(true, tile.size, c - step, r - step, 2 * step))) {
+        compare(c, r, step, -step);
+      }
     }
   }
   return static_cast<double>(twice_worst) / 2;
-}
-
-struct Range {
-  std::int32_t low = std::numeric_limits<std::int32_t>::max();
-  std::int32_t high = std::numeric_limits<std::int32_t>::min();
-};
-
-Range range_of(const HeightTile& tile, const Square& square) {
-  Range range;
-  for (int r = square.row; r <= square.row + square.cells; ++r) {
-    for (int c = square.column; c <= square.column + square.cells; ++c) {
-      if (tile.is_void(c, r)) continue;
-      range.low = std::min(range.low, tile.at(c, r));
-      range.high = std::max(range.high, tile.at(c, r));
-    }
-  }
-  return range.low <= range.high ? range : Range{0, 0};
-}
-
-Relief relief_of_block(const HeightTile& tile, const Square& square, double quantum_m) {
-  const Range range = range_of(tile, square);
-  Relief relief{static_cast<float>(range.low * quantum_m), static_cast<float>(range.high * quantum_m), {}};
-  double sum = 0;
-  for (int k = 1; k <= kBlockCellsLog2; ++k) {
-    sum += deviation_of_step(tile, square, 1 << (k - 1)) * quantum_m;
-    relief.errors[static_cast<std::size_t>(k)] = static_cast<float>(sum);
-  }
-  return relief;
-}
-
-void include(Relief& whole, const Relief& part) {
-  whole.low_m = std::min(whole.low_m, part.low_m);
-  whole.high_m = std::max(whole.high_m, part.high_m);
-  for (std::size_t k = 0; k < part.errors.size(); ++k) {
-    whole.errors[k] = std::max(whole.errors[k], part.errors[k]);
-  }
 }
 
 }  // namespace
@@ -75,54 +48,95 @@ int cells_log2_of(int tile_size) {
   return tile_size == 513 ? 9 : 8;
 }
 
-TileRelief relief_of(const HeightTile& tile, double quantum_m) {
-  TileRelief relief;
-  const int block = 1 << kBlockCellsLog2, cells = tile.size - 1;
-  for (int row = 0; row < cells; row += block) {
-    for (int column = 0; column < cells; column += block) {
-      relief.blocks.push_back(relief_of_block(tile, {column, row, block}, quantum_m));
+DecimationErrors decimation_errors(const HeightTile& tile, double quantum_m) {
+  DecimationErrors errors{};
+  double sum = 0;
+  for (int k = 1; k <= kMaxCellsLog2; ++k) {
+    if (1 << k < tile.size) sum += deviation_of_step(tile, 1 << (k - 1)) * quantum_m;
+    errors[static_cast<std::size_t>(k)] = static_cast<float>(sum);
+  }
+  return errors;
+}
+
+SquareSpheres::SquareSpheres(const HeightTile& tile, const TileId& id, double quantum_m)
+    : id_(id), levels_(cells_log2_of(tile.size) - kLeastCellsLog2) {
+  struct Range {
+    std::int32_t low = std::numeric_limits<std::int32_t>::max();
+    std::int32_t high = std::numeric_limits<std::int32_t>::min();
+    void add(const Range& other) {
+      low = std::min(low, other.low);
+      high = std::max(high, other.high);
+    }
+  };
+  const int across = 1 << levels_, cells = 1 << kLeastCellsLog2;
+  std::vector<Range> ranges(static_cast<std::size_t>(across) * static_cast<std::size_t>(across));
+  for (int y = 0; y < across; ++y) {
+    for (int x = 0; x < across; ++x) {
+      Range& range = ranges[static_cast<std::size_t>(y * across + x)];
+      for (int r = y * cells; r <= (y + 1) * cells; ++r) {
+        for (int c = x * cells; c <= (x + 1) * cells; ++c) range.add({tile.at(c, r), tile.at(c, r)});
+      }
     }
   }
-  relief.whole = relief.blocks.front();
-  for (const Relief& part : relief.blocks) include(relief.whole, part);
-  double sum = static_cast<double>(relief.whole.errors[kBlockCellsLog2]);
-  for (int k = kBlockCellsLog2 + 1; k <= kMaxCellsLog2; ++k) {
-    if (1 << k <= cells) sum += deviation_of_step(tile, {0, 0, cells}, 1 << (k - 1)) * quantum_m;
-    relief.whole.errors[static_cast<std::size_t>(k)] = static_cast<float>(sum);
+  std::size_t count = 0;
+  for (int k = 0; k <= levels_; ++k) {
+    first_[static_cast<std::size_t>(k)] = count;
+    count += std::size_t{1} << (2 * k);
   }
-  return relief;
+  spheres_.resize(count);
+  for (int k = levels_;; --k) {
+    const int side = 1 << k;
+    for (int y = 0; y < side; ++y) {
+      for (int x = 0; x < side; ++x) {
+        const auto i = static_cast<std::size_t>(y * side + x);
+        spheres_[first_[static_cast<std::size_t>(k)] + i] =
+            sphere_around({id.level + k, (id.x << k) + x, (id.y << k) + y}, ranges[i].low * quantum_m,
+                          ranges[i].high * quantum_m);
+      }
+    }
+    if (k == 0) return;
+    std::vector<Range> larger(ranges.size() / 4);
+    for (int y = 0; y < side; ++y) {
+      for (int x = 0; x < side; ++x) {
+        larger[static_cast<std::size_t>(y / 2 * (side / 2) + x / 2)].add(
+            ranges[static_cast<std::size_t>(y * side + x)]);
+      }
+    }
+    ranges = std::move(larger);
+  }
 }
 
-const Relief& SurfaceTile::relief_under(const TileId& area) const {
-  const int blocks_log2 = cells_log2_of(heights->size) - kBlockCellsLog2;
-  const int deeper = area.level - id.level;
-  if (deeper < blocks_log2) return relief.whole;
-  const auto block_of = [&](std::int32_t of_area, std::int32_t of_tile) {
-    const std::int64_t within = of_area - (static_cast<std::int64_t>(of_tile) << deeper);
-    return static_cast<std::size_t>(within >> (deeper - blocks_log2));
-  };
-  return relief.blocks[(block_of(area.y, id.y) << blocks_log2) + block_of(area.x, id.x)];
+const SquareSphere& SquareSpheres::around(const TileId& area) const {
+  const int deeper = std::min(area.level - id_.level, levels_), up = area.level - id_.level - deeper;
+  const std::int32_t x = (area.x >> up) - (id_.x << deeper), y = (area.y >> up) - (id_.y << deeper);
+  return spheres_[first_[static_cast<std::size_t>(deeper)] + (static_cast<std::size_t>(y) << deeper) +
+                  static_cast<std::size_t>(x)];
 }
 
-HeightTexels height_texels(const HeightTile& tile) {
-  const Range range = range_of(tile, {0, 0, tile.size - 1});
-  const std::int64_t span = static_cast<std::int64_t>(range.high) - range.low;
-  HeightTexels out;
-  out.base = range.low;
-  while ((span >> out.shift) >= kVoidTexel) ++out.shift;
-  out.texels.resize(tile.samples.size());
-  for (std::size_t i = 0; i < tile.samples.size(); ++i) {
-    const bool gone = !tile.voids.empty() && tile.voids[i] != 0;
-    const std::int64_t above = static_cast<std::int64_t>(tile.samples[i]) - range.low;
-    out.texels[i] = gone ? kVoidTexel : static_cast<std::uint16_t>(above >> out.shift);
-  }
-  return out;
+SurfaceTile prepare_surface_tile(const TileId& id, std::shared_ptr<const HeightTile> heights,
+                                 double quantum_m, bool between_samples) {
+  const HeightTile& tile = *heights;
+  return {id,
+          std::move(heights),
+          quantum_m,
+          range_of(tile),
+          decimation_errors(tile, quantum_m),
+          VertexSteps(tile, id, quantum_m, between_samples),
+          SquareSpheres(tile, id, quantum_m),
+          column_table(id.level, id.x, tile.size),
+          row_table(id.level, id.y, tile.size)};
+}
+
+std::uint64_t SurfaceTile::bytes() const {
+  return steps.bytes() + spheres.bytes() + columns.size() * sizeof(ColumnEntry) + rows.size() * sizeof(RowEntry);
 }
 
 namespace {
 
+enum class Voids { are_nan, are_filled };
+
 /// Of the tile with only every 2^dropped-th row and column kept.
-float thinned_height_at(const SurfaceTile& tile, const LatticePoint& point, int dropped) {
+float thinned_height_at(const SurfaceTile& tile, const LatticePoint& point, int dropped, Voids voids) {
   const HeightTile& heights = *tile.heights;
   const int cells_log2 = cells_log2_of(heights.size);
   const std::int64_t cell = lattice_width(tile.id.level + cells_log2 - dropped);
@@ -135,25 +149,40 @@ float thinned_height_at(const SurfaceTile& tile, const LatticePoint& point, int 
   const auto metres = [&](int column, int row) {
     column <<= dropped;
     row <<= dropped;
-    if (heights.is_void(column, row)) return std::numeric_limits<double>::quiet_NaN();
-    // Rounded as terrain.vert rounds it, so that a vertex is the same from either.
+    if (voids == Voids::are_nan && heights.is_void(column, row))
+      return std::numeric_limits<double>::quiet_NaN();
     return static_cast<double>(static_cast<float>(heights.at(column, row)) *
                                static_cast<float>(tile.quantum_m));
   };
   // A sample without weight is not read: it may be void, or beyond the tile.
-  const double high = std::max(u, v), low = std::min(u, v);
-  double height = metres(c, r);
-  if (high == 0) return static_cast<float>(height);
-  const double other = low == high ? height : u > v ? metres(c + 1, r) : metres(c, r + 1);
-  height += (other - height) * high;
-  if (low > 0) height += (metres(c + 1, r + 1) - other) * low;
+  if (u == 0 && v == 0) return static_cast<float>(metres(c, r));
+  const bool one_cell = cells_log2 == dropped;
+  if (one_cell ? root_rises(tile.id) : ((c ^ r) & 1) == 0) {
+    const double high = std::max(u, v), low = std::min(u, v);
+    double height = metres(c, r);
+    const double other = low == high ? height : u > v ? metres(c + 1, r) : metres(c, r + 1);
+    height += (other - height) * high;
+    if (low > 0) height += (metres(c + 1, r + 1) - other) * low;
+    return static_cast<float>(height);
+  }
+  if (u + v <= 1) {
+    double height = metres(c, r);
+    const double from = height;
+    if (u > 0) height += (metres(c + 1, r) - from) * u;
+    if (v > 0) height += (metres(c, r + 1) - from) * v;
+    return static_cast<float>(height);
+  }
+  double height = metres(c + 1, r + 1);
+  const double from = height;
+  if (u < 1) height += (metres(c, r + 1) - from) * (1 - u);
+  if (v < 1) height += (metres(c + 1, r) - from) * (1 - v);
   return static_cast<float>(height);
 }
 
 }  // namespace
 
 float height_at(const SurfaceTile& tile, const LatticePoint& point) {
-  return thinned_height_at(tile, point, 0);
+  return thinned_height_at(tile, point, 0, Voids::are_nan);
 }
 
 ShownSurface ShownSurface::of(const SurfaceTile* tile, double detail) {
@@ -163,22 +192,34 @@ ShownSurface ShownSurface::of(const SurfaceTile* tile, double detail) {
   return {tile, std::clamp<double>(detail, least, level)};
 }
 
-int ShownSurface::whole_level() const {
-  return static_cast<int>(std::floor(detail));
+int ShownSurface::finer_level() const {
+  return static_cast<int>(std::ceil(detail));
+}
+
+float ShownSurface::coarser_share() const {
+  return static_cast<float>(finer_level() - detail);
+}
+
+ShownHeight shown_height_at(const ShownSurface& surface, const LatticePoint& point) {
+  const SurfaceTile& tile = *surface.tile;
+  const float finest = thinned_height_at(tile, point, 0, Voids::are_nan);
+  if (std::isnan(finest)) return {thinned_height_at(tile, point, 0, Voids::are_filled), 0, true};
+  const auto known = [&](int rows_dropped) {
+    float height = finest;
+    do {
+      height = rows_dropped == 0 ? finest : thinned_height_at(tile, point, rows_dropped, Voids::are_nan);
+      --rows_dropped;
+    } while (std::isnan(height));
+    return height;
+  };
+  const int dropped = tile.id.level - surface.finer_level();
+  const float finer = known(dropped);
+  return {finer, surface.coarser_share() > 0 ? known(dropped + 1) - finer : 0, false};
 }
 
 float height_at(const ShownSurface& surface, const LatticePoint& point) {
-  const float finest = thinned_height_at(*surface.tile, point, 0);
-  const int dropped = surface.tile->id.level - surface.whole_level();
-  if (dropped == 0 || std::isnan(finest)) return finest;
-  const auto known = [&](int rows_dropped) {
-    float height = thinned_height_at(*surface.tile, point, rows_dropped);
-    while (std::isnan(height)) height = thinned_height_at(*surface.tile, point, --rows_dropped);
-    return height;
-  };
-  const auto part = static_cast<float>(surface.detail - surface.whole_level());
-  const float coarse = known(dropped);
-  return part > 0 ? coarse + (known(dropped - 1) - coarse) * part : coarse;
+  const ShownHeight height = shown_height_at(surface, point);
+  return height.is_void ? std::numeric_limits<float>::quiet_NaN() : height.at(surface.coarser_share());
 }
 
-}  // namespace cairn::gl
+}  // namespace cairn

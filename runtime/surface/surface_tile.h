@@ -1,88 +1,112 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "cairn/height_tile.h"
 #include "cairn/tile_id.h"
+#include "runtime/surface/axis_table.h"
+#include "runtime/surface/vertex_steps.h"
 #include "runtime/view/sample_lattice.h"
+#include "runtime/view/screen_error_budget.h"
 
-namespace cairn::gl {
+namespace cairn {
 
 /// The largest log2 of intervals along a tile's side: 513 samples.
 inline constexpr int kMaxCellsLog2 = 9;
 
-/// log2 of the intervals along the side of a tile: 9 or 8. REQUIRES: 513 or 257.
+/// Returns log2 of the intervals along the side of a tile: 9 or 8. REQUIRES: 513 or 257.
 int cells_log2_of(int tile_size);
 
-/// How far the surface of a tile is from what is left of it when only every 2^k-th row and column are kept,
-/// k = 0…9: an upper bound in metres, the sum over the steps of the largest deviation that the step adds. The
-/// surface is that of triangles whose diagonals run from south-west to north-east. Entries beyond the tile's
+/// Upper bounds, in metres, of the distance between a tile's surface and the surface that is left of it when
+/// only every 2^k-th row and column are kept, k = 0…9.
+///
+/// A bound is the sum over the steps of the largest deviation that the step adds. Entries beyond the tile's
 /// last step repeat it.
 using DecimationErrors = std::array<float, kMaxCellsLog2 + 1>;
+DecimationErrors decimation_errors(const HeightTile& tile, double quantum_m);
 
-/// A block is 64×64 cells of a tile: the most that one grid draws, and what a grid is chosen for.
-inline constexpr int kBlockCellsLog2 = 6;
+/// The spheres around the squares of a tile: its own, its quarters, and so on down to kLeastCellsLog2.
+class SquareSpheres {
+ public:
+  static constexpr int kLeastCellsLog2 = 4;
 
-/// What is known of a part of a tile before it is drawn.
-struct Relief {
-  float low_m = 0;  ///< no sample that is not void is outside these
-  float high_m = 0;
-  DecimationErrors errors{};
+  SquareSpheres() = default;
+  SquareSpheres(const HeightTile& tile, const TileId& id, double quantum_m);
+
+  /// Of the area, or of the smallest square around it that has one. REQUIRES: the tile covers the area.
+  const SquareSphere& around(const TileId& area) const;
+
+  std::uint64_t bytes() const { return spheres_.size() * sizeof(SquareSphere); }
+
+ private:
+  TileId id_;
+  int levels_ = -1;  // from the tile to the squares of 2^kLeastCellsLog2 cells
+  std::array<std::size_t, kMaxCellsLog2 + 1> first_{};
+  std::vector<SquareSphere> spheres_;
 };
 
-/// Of a tile as a whole, and of each of its blocks.
-struct TileRelief {
-  Relief whole;
-  std::vector<Relief>
-      blocks;  ///< row-major from the south-west; no entry of their errors beyond k = 6 counts
-};
-TileRelief relief_of(const HeightTile& tile, double quantum_m);
-
-/// Heights as a GPU stores them: quanta = base + (texel << shift). 65535 is a void.
-struct HeightTexels {
-  std::int32_t base = 0;
-  int shift = 0;                      ///< 0 unless the tile spans more than 65534 quanta: 16 km at 0.25 m
-  std::vector<std::uint16_t> texels;  ///< as HeightTile::samples
-};
-HeightTexels height_texels(const HeightTile& tile);
-inline constexpr std::uint16_t kVoidTexel = 65535;
-
-/// What the renderer keeps of a tile of heights on the CPU.
+/// A tile of heights and what the surface needs of it, worked out once when the tile is loaded.
 struct SurfaceTile {
   TileId id;
   std::shared_ptr<const HeightTile> heights;
   double quantum_m = 0;
-  bool exact_on_gpu = true;  ///< the texels give the heights of height_at(), to the last bit
-  TileRelief relief;
 
-  /// Of the block that holds the area, of the whole tile where that is larger. REQUIRES: the tile covers it.
-  const Relief& relief_under(const TileId& area) const;
+  HeightRange range;  ///< quanta
+  DecimationErrors errors{};
+  VertexSteps steps;
+  SquareSpheres spheres;
+  std::vector<ColumnEntry> columns;
+  std::vector<RowEntry> rows;
+
+  /// Of memory, without the heights.
+  std::uint64_t bytes() const;
 };
 
-/// The height in metres of the triangles between the samples, whose diagonals run from south-west to
-/// north-east; along an edge that tiles share the same from each of them; NaN where a sample that it needs is
-/// void. A sample is float(quanta)·float(quantum). REQUIRES: the point lies in the
-/// tile, edges included.
+/// Prepares a tile; takes some 15 ms for 513 samples a side. `between_samples`: see vertex_errors_m().
+SurfaceTile prepare_surface_tile(const TileId& id, std::shared_ptr<const HeightTile> heights,
+                                 double quantum_m, bool between_samples);
+
+/// Returns the height in metres of the triangles between the samples; NaN where a sample that it needs is
+/// void.
+///
+/// The diagonal of a cell rises to the north-east where its column and row are both even or both odd, as in
+/// RqtSteps' hierarchy. Along an edge that tiles share, each of them gives the same height. A sample is
+/// float(quanta)·float(quantum). REQUIRES: the point lies in the tile, edges included.
 float height_at(const SurfaceTile& tile, const LatticePoint& point);
 
-/// A tile's surface, shown with less detail than it has. At a whole level it is that of the ancestor of the
-/// level: samples nest, so it is the tile's own with only every 2nd, 4th, … row and column kept. Between two
-/// levels a height is that far between theirs.
+/// A tile's surface, shown with less detail than it has.
+///
+/// At a whole level it is the surface of the ancestor of the level: samples nest, so it is the tile's own
+/// with only every 2nd, 4th, … row and column kept. Between two levels a height is that far between theirs.
 struct ShownSurface {
   const SurfaceTile* tile = nullptr;  ///< null: height 0 everywhere
   double detail = 0;  ///< the tile's level or less, but not so little that no cell is left of it
 
-  /// Of the tile with so much detail as it can be shown with, `detail` at most.
+  /// Returns the tile with so much detail as it can be shown with, `detail` at most.
   static ShownSurface of(const SurfaceTile* tile, double detail);
-  /// The finest level all of whose samples are shown as they are.
-  int whole_level() const;
+  /// The level whose heights are shown, mixed with those of the next coarser level by coarser_share().
+  int finer_level() const;
+  /// 0 up to but not including 1.
+  float coarser_share() const;
 };
 
-/// The same of a shown surface. Where a level's sample is void, the next finer level stands in.
-/// REQUIRES: there is a tile.
+/// A height that two levels have between them.
+struct ShownHeight {
+  float finer_m = 0;
+  float to_coarser_m = 0;  ///< what the coarser level's height is above that; 0 where none is mixed in
+  bool is_void = false;    ///< then the heights are of the void's filling
+
+  float at(float coarser_share) const { return finer_m + to_coarser_m * coarser_share; }
+};
+
+/// Where a level's sample is void, the next finer level stands in. REQUIRES: there is a tile.
+ShownHeight shown_height_at(const ShownSurface& surface, const LatticePoint& point);
+
+/// Returns the shown height in metres; NaN for a void.
 float height_at(const ShownSurface& surface, const LatticePoint& point);
 
-}  // namespace cairn::gl
+}  // namespace cairn

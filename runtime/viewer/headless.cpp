@@ -23,7 +23,7 @@ void report(Scene& scene, std::ostream& messages) {
   for (const Error& error : scene.take_errors()) messages << error.message << '\n';
 }
 
-Status take_screenshot(const Options& options, Scene& scene, gl::FrameLook look, const ViewState& view,
+Status take_screenshot(const Options& options, Scene& scene, FrameLook look, const ViewState& view,
                        const gl::FrameTarget& target, std::ostream& messages) {
   look.to_sun = sun_direction(view.eye, options.hour);
   scene.load_all(view);
@@ -43,7 +43,7 @@ class FlightRun {
   FlightRun(const Options& options, const Flight& flight, Scene& scene, const gl::FrameTarget& target)
       : options_(options), flight_(flight), scene_(scene), target_(target) {}
 
-  Status run(gl::FrameLook look, ViewState view, std::ostream& messages) {
+  Status run(FrameLook look, ViewState view, std::ostream& messages) {
     const Status opened = open_outputs();
     if (!opened) return opened;
     // What came before the flight is not of it: tiles waited for, and the first frame, which uploads them
@@ -88,7 +88,7 @@ class FlightRun {
     return {};
   }
 
-  Status frame(std::size_t index, const ViewState& view, const gl::FrameLook& look) {
+  Status frame(std::size_t index, const ViewState& view, const FrameLook& look) {
     const bool keeps = !options_.frames.empty() || video_;
     // A picture waits for what it shows; a measured frame comes when it is due, like a window's.
     if (keeps) {
@@ -100,7 +100,7 @@ class FlightRun {
     const double begin = 1e3 * thread_cpu_s();
     scene_.update(view, 1 / flight_.frames_per_second);
     const double updated = 1e3 * thread_cpu_s();
-    const gl::FrameCounts counts = scene_.draw_list(view, look, target_.framebuffer());
+    const FrameCounts counts = scene_.draw_list(view, look, target_.framebuffer());
     const double drawn = 1e3 * thread_cpu_s();
     if (stats_.is_open()) {
       stats_ << index << ',' << updated - begin << ',' << drawn - updated << ',' << counts.upload_ms << ','
@@ -153,7 +153,7 @@ Status run_headless(const Options& options, std::ostream& messages) {
   if (const Status status = check_outputs(options); !status) return status;
   const Result<Size> size = parse_size(options.size);
   if (!size) return size.error();
-  const Result<gl::FrameLook> look = look_of(options);
+  const Result<FrameLook> look = look_of(options);
   if (!look) return look.error();
   std::optional<Flight> flight;
   if (!options.flight.empty()) {

@@ -73,7 +73,7 @@ void draw_map(const RenderList& list, const ViewState& view) {
   ImGui::Dummy(ImVec2(kMapSide, kMapSide));
 }
 
-bool draw_settings(PanelState& state, gl::FrameLook& look) {
+bool draw_settings(PanelState& state, FrameLook& look) {
   ImGui::Checkbox("wireframe", &look.wireframe);
   ImGui::SameLine();
   ImGui::Checkbox("levels", &look.level_colours);
@@ -98,7 +98,7 @@ bool draw_settings(PanelState& state, gl::FrameLook& look) {
 
 }  // namespace
 
-std::optional<std::array<double, 3>> draw_panel(PanelState& state, gl::FrameLook& look, const ViewState& view,
+std::optional<std::array<double, 3>> draw_panel(PanelState& state, FrameLook& look, const ViewState& view,
                                                 const RenderList* list) {
   bool goes = false;
   if (state.shows_panel) {

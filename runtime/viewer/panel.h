@@ -18,7 +18,7 @@ struct PanelState {
   double hour = 10;
   std::string message;  ///< the latest error or what was just saved
 
-  gl::FrameCounts counts;
+  FrameCounts counts;
   PagingStats paging;
   std::array<float, 240> frame_ms{};  ///< a ring
   int frame_index = 0;
@@ -27,7 +27,7 @@ struct PanelState {
 
 /// Draws the panel, the help and the scene map with Dear ImGui, between its NewFrame and Render. Returns the
 /// place to go to when the user has asked for it: longitude, latitude, height.
-std::optional<std::array<double, 3>> draw_panel(PanelState& state, gl::FrameLook& look, const ViewState& view,
+std::optional<std::array<double, 3>> draw_panel(PanelState& state, FrameLook& look, const ViewState& view,
                                                 const RenderList* list);
 
 /// The keys, a line each, as F1 and --help show them.

@@ -10,6 +10,10 @@
 #include "cairn/remote_pack.h"
 #include "runtime/flight/camera_text.h"
 #include "runtime/surface/drawn_ground.h"
+#include "runtime/gl/view_transform.h"
+#include "runtime/view/cpu_clock.h"
+#include "runtime/viewer/method_mesh.h"
+#include "runtime/viewer/method_scene.h"
 
 namespace cairn::viewer {
 namespace {
@@ -39,10 +43,9 @@ Error unknown_method(const std::string& name) {
 
 }  // namespace
 
-Scene::Scene(std::shared_ptr<const PackReader> pack, std::unique_ptr<gl::PreparedHeights> uploads,
-             Terrain terrain, gl::Renderer renderer)
+Scene::Scene(std::shared_ptr<const PackReader> pack, Surface surface, Terrain terrain, gl::Renderer renderer)
     : pack_(std::move(pack)),
-      uploads_(std::move(uploads)),
+      surface_(std::move(surface)),
       terrain_(std::move(terrain)),
       renderer_(std::move(renderer)) {}
 
@@ -56,16 +59,16 @@ Result<Scene> Scene::open(const Options& options) {
   if (is_remote(options.pack.string()) && is_index_small) {
     if (const Status status = pack->read_index(); !status) return status.error();
   }
-  auto uploads = std::make_unique<gl::PreparedHeights>();
+  Surface surface(header);
   Result<gl::Renderer> renderer =
-      gl::Renderer::create(header.tile_size, header.quantum_m, pack->entry_count(), *uploads);
+      gl::Renderer::create(header.tile_size, header.quantum_m, pack->entry_count());
   if (!renderer) return renderer.error();
   TerrainOptions terrain_options;
   terrain_options.cache_bytes = options.cache_mib << 20;
   Result<Terrain> terrain =
-      Terrain::open(pack, terrain_options, uploads->preparing(read_from(pack), header.quantum_m));
+      Terrain::open(pack, terrain_options, surface.preparing(read_from(pack)));
   if (!terrain) return terrain.error();
-  Scene scene(std::move(pack), std::move(uploads), std::move(*terrain), std::move(*renderer));
+  Scene scene(std::move(pack), std::move(surface), std::move(*terrain), std::move(*renderer));
   scene.errors_ = missing_layers(options.pack.string(), *scene.pack_);
   return scene;
 }
@@ -75,11 +78,45 @@ void Scene::update(const ViewState& view, double dt_s) {
   errors_.insert(errors_.end(), list_->errors.begin(), list_->errors.end());
 }
 
-gl::FrameCounts Scene::draw_list(const ViewState& view, const gl::FrameLook& look, unsigned framebuffer) {
-  return renderer_.draw(*list_, view, look, framebuffer);
+SurfaceMesh Scene::method_mesh(const SurfaceFrame& frame, const ViewState& view, const FrameLook& look) {
+  if (method_info_ != look.method) {
+    method_info_ = look.method;
+    method_ = look.method->create({});
+  }
+  const PackHeader& header = pack_->header();
+  MethodScene scene = method_scene(frame.tiles, header.tile_size, header.quantum_m);
+  method_->prepare(scene.scene);
+  SurfaceMesh mesh;
+  mesh.walls = vertices_of(method_->build(scene.scene, {view, look.tolerance_px, true}), scene.scene);
+  mesh.draws = std::move(scene.windows);
+  mesh.triangles = mesh.walls.indices.size() / 3;
+  return mesh;
 }
 
-gl::FrameCounts Scene::draw(const ViewState& view, double dt_s, const gl::FrameLook& look,
+FrameCounts Scene::draw_list(const ViewState& view, const FrameLook& look, unsigned framebuffer) {
+  if (look.method) surface_.cut();
+  const SurfaceFrame& frame = surface_.frame(*list_, {view, look.tolerance_px, look.frame_s});
+  FrameCounts counts;
+  const double begin_s = thread_cpu_s();
+  counts.uploads = renderer_.take(frame);
+  counts.upload_ms = 1e3 * (thread_cpu_s() - begin_s);
+  const gl::Renderer::Camera camera{view, clip_from_eye(view), list_->lowest_m};
+  const GlTarget target{framebuffer, 0, 0, view.viewport_width_px, view.viewport_height_px};
+  gl::clear(target, look.hole_colour.value_or(glm::vec3(0)));
+  GlLook shown = look;
+  shown.sky = !look.hole_colour;
+  if (look.method) {
+    static_cast<GlCounts&>(counts) =
+        renderer_.draw(frame, method_mesh(frame, view, look), camera, shown, target, look.draws);
+  } else {
+    method_info_ = nullptr;
+    method_.reset();
+    static_cast<GlCounts&>(counts) = renderer_.draw(frame, frame.mesh, camera, shown, target, look.draws);
+  }
+  return counts;
+}
+
+FrameCounts Scene::draw(const ViewState& view, double dt_s, const FrameLook& look,
                             unsigned framebuffer) {
   update(view, dt_s);
   return draw_list(view, look, framebuffer);
@@ -92,8 +129,8 @@ void Scene::load_all(const ViewState& view) {
 }
 
 double Scene::ground_m(LonLat place) const {
-  const std::optional<double> listed = gl::drawn_ground_m(*list_, pack_->header().quantum_m, place);
-  const std::optional<double> drawn = renderer_.ground_m(place);
+  const std::optional<double> listed = drawn_ground_m(*list_, pack_->header().quantum_m, place);
+  const std::optional<double> drawn = surface_.ground_m(place);
   return std::max(listed.value_or(drawn.value_or(0)), drawn.value_or(listed.value_or(0)));
 }
 
@@ -105,8 +142,8 @@ std::vector<Error> Scene::take_errors() {
   return errors;
 }
 
-Result<gl::FrameLook> look_of(const Options& options) {
-  gl::FrameLook look;
+Result<FrameLook> look_of(const Options& options) {
+  FrameLook look;
   look.fog = !options.no_fog;
   look.wireframe = options.wireframe;
   look.level_colours = options.levels;

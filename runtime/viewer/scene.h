@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "cairn/pack_reader.h"
@@ -8,10 +9,28 @@
 #include "cairn/terrain.h"
 #include "runtime/flight/camera_text.h"
 #include "runtime/gl/frame_target.h"
+#include "cairn/surface.h"
 #include "runtime/gl/renderer.h"
+#include "runtime/lod/lod_method.h"
 #include "runtime/viewer/options.h"
 
 namespace cairn::viewer {
+
+/// How a frame looks and is made.
+struct FrameLook : GlLook {
+  std::optional<glm::vec3> hole_colour;  ///< linear RGB: drawn where no terrain is, instead of the sky
+  double frame_s = 1.0 / 60;              ///< since the last frame: the exchange of levels follows the clock
+  double tolerance_px = 1;                ///< screen error that the mesh may add to the tiles' own; > 0
+  const LodMethodInfo* method = nullptr;  ///< draws a method's mesh instead of the surface: on one thread,
+                                          ///< tiles exchanged at once, so for comparing pictures
+  bool draws = true;                      ///< false: all of a frame's work but the draw calls, to measure it
+};
+
+/// What a frame took.
+struct FrameCounts : GlCounts {
+  std::size_t uploads = 0;  ///< tiles that became textures
+  double upload_ms = 0;     ///< CPU time of the thread that this took
+};
 
 /// A pack, its terrain and its renderer: what a window and a picture have in common. One context is current
 /// for as long as it lives.
@@ -21,17 +40,17 @@ class Scene {
 
   /// The two halves of a frame: what is to be drawn, and drawing it.
   void update(const ViewState& view, double dt_s);
-  gl::FrameCounts draw_list(const ViewState& view, const gl::FrameLook& look, unsigned framebuffer);
+  FrameCounts draw_list(const ViewState& view, const FrameLook& look, unsigned framebuffer);
 
   /// One frame into the framebuffer.
-  gl::FrameCounts draw(const ViewState& view, double dt_s, const gl::FrameLook& look, unsigned framebuffer);
+  FrameCounts draw(const ViewState& view, double dt_s, const FrameLook& look, unsigned framebuffer);
 
   /// Draws no frame, but lets the terrain load until the view has all that the pack has for it and that can
   /// be read.
   void load_all(const ViewState& view);
 
   /// The next frame has nothing to do with the last one: what it shows is not on its way from there.
-  void cut() { renderer_.cut(); }
+  void cut() { surface_.cut(); }
 
   /// The ground, in metres, that is drawn or will be when tiles have been exchanged, whichever is higher; 0
   /// where nothing is. After the first update.
@@ -45,14 +64,16 @@ class Scene {
   std::vector<Error> take_errors();
 
  private:
-  Scene(std::shared_ptr<const PackReader> pack, std::unique_ptr<gl::PreparedHeights> uploads, Terrain terrain,
-        gl::Renderer renderer);
+  Scene(std::shared_ptr<const PackReader> pack, Surface surface, Terrain terrain, gl::Renderer renderer);
+  SurfaceMesh method_mesh(const SurfaceFrame& frame, const ViewState& view, const FrameLook& look);
 
   std::shared_ptr<const PackReader> pack_;
-  std::unique_ptr<gl::PreparedHeights> uploads_;  // outlives the terrain's workers and the renderer
+  Surface surface_;
   Terrain terrain_;
   gl::Renderer renderer_;
   const RenderList* list_ = nullptr;
+  const LodMethodInfo* method_info_ = nullptr;  // of the method, which is kept from frame to frame
+  std::unique_ptr<LodMethod> method_;
   std::vector<Error> errors_;
 };
 
@@ -68,6 +89,6 @@ ViewState start_view(const PackReader& pack, double fov_deg, Size size);
 Result<ViewState> view_of(const Options& options, const PackReader& pack, Size size);
 
 /// The frame's look that the options ask for, apart from the sun.
-Result<gl::FrameLook> look_of(const Options& options);
+Result<FrameLook> look_of(const Options& options);
 
 }  // namespace cairn::viewer

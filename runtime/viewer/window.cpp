@@ -32,7 +32,7 @@ constexpr double kLongestFrame = 0.1;  // seconds that a stall may move the eye
 
 class Session {
  public:
-  Session(const Options& options, Scene scene, gl::FrameLook look, ViewState view, Display& display,
+  Session(const Options& options, Scene scene, FrameLook look, ViewState view, Display& display,
           std::ostream& messages)
       : scene_(std::move(scene)), look_(look), view_(view), display_(display), messages_(messages) {
     panel_.hour = options.hour;
@@ -144,7 +144,7 @@ class Session {
   }
 
   Scene scene_;
-  gl::FrameLook look_;
+  FrameLook look_;
   ViewState view_;
   Display& display_;
   std::ostream& messages_;
@@ -161,7 +161,7 @@ class Session {
 Status run_window(const Options& options, std::ostream& messages) {
   const Result<Size> size = parse_size(options.size);
   if (!size) return size.error();
-  const Result<gl::FrameLook> look = look_of(options);
+  const Result<FrameLook> look = look_of(options);
   if (!look) return look.error();
   Result<std::unique_ptr<Display>> display = Display::open(*size);
   if (!display) return display.error();

@@ -54,7 +54,7 @@ if(CAIRN_VIEWER)
 endif()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/cairn RENAME copyright COMPONENT programs)
 
-# 4. Libraries: cairn::format and cairn::runtime, and with the component `builder` cairn::builder.
+# 4. Libraries: cairn::format, cairn::runtime and cairn::surface, with the component `gl` cairn::gl, with `builder` cairn::builder.
 function(cairn_install_library name set)
   set_target_properties(cairn_${name} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION}
                         SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
@@ -71,7 +71,12 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cairn)
 cairn_install_library(format cairn-targets)
 cairn_install_library(remote cairn-targets)
 cairn_install_library(runtime cairn-targets)
+cairn_install_library(surface cairn-targets)
 install(EXPORT cairn-targets NAMESPACE cairn:: DESTINATION ${package_dir} COMPONENT development)
+if(CAIRN_VIEWER)
+  cairn_install_library(gl cairn-gl-targets)
+  install(EXPORT cairn-gl-targets NAMESPACE cairn:: DESTINATION ${package_dir} COMPONENT development)
+endif()
 if(CAIRN_BUILDER)
   cairn_install_library(builder cairn-builder-targets)
   if(NOT BUILD_SHARED_LIBS)

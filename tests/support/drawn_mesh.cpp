@@ -1,7 +1,6 @@
 #include "tests/support/drawn_mesh.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -11,86 +10,71 @@
 #include "cairn/geodesy.h"
 
 namespace cairn::test {
+namespace {
 
-using gl::GridPatch;
+glm::dvec3 position_of(const SurfaceVertex& vertex, float coarser_share, const glm::dvec3& up) {
+  const double above = static_cast<double>(vertex.to_coarser_m) * static_cast<double>(coarser_share);
+  return glm::dvec3(vertex.high) + glm::dvec3(vertex.low) + up * above;
+}
 
-DrawnMesh::DrawnMesh(std::vector<gl::MeshArea> areas, gl::MeshPlan plan)
+/// Where the ellipsoid's normal at a place meets a triangle.
+std::optional<double> height_over(const glm::dvec3 (&corners)[3], const glm::dvec3& foot,
+                                  const glm::dvec3& up) {
+  const glm::dvec3 u = corners[1] - corners[0], v = corners[2] - corners[0];
+  const double determinant = glm::dot(glm::cross(u, v), up);
+  if (std::abs(determinant) < 1e-9) return std::nullopt;
+  const glm::dvec3 at = glm::inverse(glm::dmat3(u, v, -up)) * (foot - corners[0]);
+  if (at.x < -1e-9 || at.y < -1e-9 || at.x + at.y > 1 + 1e-9) return std::nullopt;
+  return at.z;
+}
+
+}  // namespace
+
+DrawnMesh::DrawnMesh(std::vector<SurfaceArea> areas, SurfacePlan plan)
     : areas_(std::move(areas)), plan_(std::move(plan)) {
-  for (std::size_t i = 0; i < plan_.patches.size(); ++i) patches_.emplace(plan_.patches[i].area, i);
+  const auto& patches = plan_.partition.patches;
+  for (std::size_t i = 0; i < patches.size(); ++i) patches_.emplace(patches[i].area, i);
 }
 
-DrawnMesh::Vertex DrawnMesh::vertex(const GridPatch& patch, int column, int row) const {
-  column = std::min(column, patch.cells_east);
-  row = std::min(row, patch.cells_north);
-  const std::array<bool, 4> on_side = {row == 0, row == patch.cells_north, column == 0,
-                                       column == patch.cells_east};
-  const LatticePoint corner = south_west_of(patch.area);
-  const std::int64_t step = lattice_width(patch.area.level + patch.cells_log2);
-  std::size_t entry = patch.perimeter;
-  for (unsigned side = 0; side < 4; ++side) {
-    if ((patch.listed_sides >> side & 1) == 0) continue;
-    if (on_side[side]) {
-      const gl::PerimeterVertex& v =
-          plan_.perimeter[entry + static_cast<std::size_t>(side < 2 ? column : row)];
-      const LonLat place = place_of({corner.x + v.column * step, corner.y + v.row * step});
-      const auto height = static_cast<double>(v.height_m);
-      return {to_geocentric(place, std::isnan(height) ? 0 : height), std::isnan(height)};
-    }
-    entry += static_cast<std::size_t>(patch.cells()) + 1;
-  }
-  const LatticePoint point{corner.x + column * step, corner.y + row * step};
-  const gl::MeshArea& area = areas_[patch.from];
-  const auto surface = gl::ShownSurface::of(area.surface, area.detail);
-  const double height = surface.tile ? static_cast<double>(gl::height_at(surface, point)) : 0;
-  return {to_geocentric(place_of(point), std::isnan(height) ? 0 : height), std::isnan(height)};
-}
-
-/// Where the ellipsoid's normal at the place meets one of the two triangles of a cell.
-std::optional<double> DrawnMesh::height_over(const GridPatch& patch, int column, int row,
-                                             LonLat place) const {
-  const Vertex sw = vertex(patch, column, row), se = vertex(patch, column + 1, row),
-               ne = vertex(patch, column + 1, row + 1), nw = vertex(patch, column, row + 1);
-  const glm::dvec3 foot = to_geocentric(place, 0), up = local_frame(place).up;
-  for (const auto& [b, c] : {std::pair(se, ne), std::pair(ne, nw)}) {
-    const glm::dvec3 u = b.position - sw.position, v = c.position - sw.position;
-    const double determinant = glm::dot(glm::cross(u, v), up);
-    if (std::abs(determinant) < 1e-9) continue;  // folded up
-    const glm::dvec3 at = glm::inverse(glm::dmat3(u, v, -up)) * (foot - sw.position);
-    if (at.x < -1e-9 || at.y < -1e-9 || at.x + at.y > 1 + 1e-9) continue;
-    if (sw.is_void || b.is_void || c.is_void) return std::nullopt;
-    return at.z;
+std::optional<std::size_t> DrawnMesh::patch_at(LonLat place) const {
+  for (int level = kMaxLevel; level >= kMinLevel; --level) {
+    const auto found = patches_.find(tile_at(place, level));
+    if (found != patches_.end()) return found->second;
   }
   return std::nullopt;
 }
 
-const GridPatch* DrawnMesh::patch_at(LonLat place) const {
-  for (int level = kMaxLevel; level >= kMinLevel; --level) {
-    const auto found = patches_.find(tile_at(place, level));
-    if (found != patches_.end()) return &plan_.patches[found->second];
-  }
-  return nullptr;
-}
-
-std::array<int, 2> DrawnMesh::cell_at(const GridPatch& patch, LonLat place) {
-  const GeoBounds b = tile_bounds(patch.area);
-  return {static_cast<int>((place.lon - b.west) / b.width() * patch.cells()),
-          static_cast<int>((place.lat - b.south) / b.height() * patch.cells())};
+const PatchMesh& DrawnMesh::mesh_of(std::size_t patch) const {
+  const auto [at, fresh] = meshes_.try_emplace(patch);
+  if (fresh) at->second = build_patch_mesh(plan_.partition.patches[patch], plan_.joints.sides[patch]);
+  return at->second;
 }
 
 std::optional<double> DrawnMesh::height_m(LonLat place) const {
-  const GridPatch* patch = patch_at(place);
-  if (!patch) return std::nullopt;
-  const auto [column, row] = cell_at(*patch, place);
-  if (const auto height = height_over(*patch, column, row, place)) return height;
-  // Beside a rim whose vertices were moved along it, or where a chord bends over the next cell.
-  const auto near = [&](int i, int at, int other) {
-    return std::abs(i - at) <= 1 || other <= 1 || other >= patch->cells() - 2;
-  };
-  for (int r = 0; r < patch->cells_north; ++r) {
-    for (int c = 0; c < patch->cells_east; ++c) {
-      if (!near(r, row, column) || !near(c, column, row)) continue;
-      if (const auto height = height_over(*patch, c, r, place)) return height;
+  const auto index = patch_at(place);
+  if (!index) return std::nullopt;
+  const SurfacePatch& patch = plan_.partition.patches[*index];
+  const PatchMesh& mesh = mesh_of(*index);
+  const GeoBounds b = tile_bounds(patch.area);
+  const double east = (place.lon - b.west) / b.width() * kSurfaceSide;
+  const double north = (place.lat - b.south) / b.height() * kSurfaceSide;
+  const double aside = kSurfaceSide / 32.0;  // chords bend over neighbouring triangles
+  const glm::dvec3 foot = to_geocentric(place, 0), up = local_frame(place).up;
+  for (std::size_t k = 0; k < mesh.indices.size(); k += 3) {
+    glm::dvec3 corners[3];
+    double west = kSurfaceSide, last_east = 0, south = kSurfaceSide, last_north = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const SurfaceVertex& v = mesh.vertices[mesh.indices[k + c]];
+      west = std::min<double>(west, v.east);
+      last_east = std::max<double>(last_east, v.east);
+      south = std::min<double>(south, v.north);
+      last_north = std::max<double>(last_north, v.north);
     }
+    if (east < west - aside || east > last_east + aside || north < south - aside || north > last_north + aside)
+      continue;
+    for (std::size_t c = 0; c < 3; ++c)
+      corners[c] = position_of(mesh.vertices[mesh.indices[k + c]], patch.surface.coarser_share(), up);
+    if (const auto height = height_over(corners, foot, up)) return height;
   }
   return std::nullopt;
 }

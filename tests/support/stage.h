@@ -9,6 +9,7 @@
 #include "runtime/gl/frame_target.h"
 #include "runtime/gl/headless_context.h"
 #include "cairn/view_state.h"
+#include "runtime/gl/view_transform.h"
 #include "runtime/viewer/scene.h"
 
 namespace cairn::test {
@@ -31,7 +32,7 @@ class Stage {
   /// Magenta pixels of the last frame.
   int holes() const;
 
-  gl::FrameLook look;
+  viewer::FrameLook look;
 
  private:
   Result<gl::HeadlessContext> context_;  // before all that lives in it

@@ -19,7 +19,7 @@ layout(location = 2) in float height;
 layout(location = 3) flat in vec4 heights_window;
 layout(location = 4) flat in vec4 imagery_window;
 layout(location = 5) flat in ivec4 patch_facts;
-layout(location = 6) flat in vec4 extents;
+layout(location = 6) flat in vec2 extents;
 layout(location = 7) flat in vec4 across[4];  // south, north, west, east
 
 layout(location = 0) out vec4 colour;
@@ -44,9 +44,9 @@ vec3 level_colour(int level) {
   return 0.25 + 0.5 * clamp(abs(fract(hue + vec3(0.0, 2.0 / 3.0, 1.0 / 3.0)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
 }
 
-// Interpolated in a thin triangle, a place may round to one outside the patch, even beyond the end of the world.
+// Interpolated in a thin triangle, a place may round to one outside the patch.
 vec2 within_patch() {
-  return clamp(patch_place, vec2(0), extents.xy);
+  return clamp(patch_place, 0.0, 1.0);
 }
 
 bool has_heights() {
@@ -78,8 +78,8 @@ vec2 imagery_place(vec2 along_x, vec2 along_y) {
   float footprint = max(length(along_x), length(along_y)) * texels;
   float width = exp2(clamp(ceil(log2(max(footprint, 1.0))), 0.0, float(tile_cells_log2)));
   // Not at the pole: there the mip follows the narrow meridians, and half its texel is far along them.
-  float last = (max(floor(extents.z / width), 1.0) - 0.5) * width / texels;
-  if (extents.z < texels) place.x = min(place.x, last);
+  float last = (max(floor(extents.x / width), 1.0) - 0.5) * width / texels;
+  if (extents.x < texels) place.x = min(place.x, last);
   return place;
 }
 

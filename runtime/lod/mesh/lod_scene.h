@@ -71,6 +71,8 @@ struct IndexCount {
 /// Void samples are part of the mesh; a renderer masks them.
 struct LodMesh {
   std::vector<LodTileMesh> tiles;
+  /// Upright triangles between rims that do not share their vertices, either way round; of no tile.
+  LodTileMesh walls;
   /// Index counts of the method's own triangulation, in the forms that its paper has; every method has
   /// `list`.
   std::array<std::optional<IndexCount>, 4> forms;
@@ -78,7 +80,7 @@ struct LodMesh {
   double building_s = 0;   ///< CPU seconds for vertices, indices and joining tiles
 
   std::size_t triangle_count() const {
-    std::size_t count = 0;
+    std::size_t count = walls.triangles.size();
     for (const LodTileMesh& tile : tiles) count += tile.triangles.size();
     return count;
   }

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/lod/mesh/grid_positions.h"
-#include "runtime/lod/mesh/vertex_errors.h"
+#include "runtime/surface/vertex_errors.h"
 
 namespace cairn {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/lod_scene.h"
+#include "runtime/view/screen_error_budget.h"
 
 namespace cairn {
 
@@ -28,12 +29,6 @@ struct SquareError {
   std::uint16_t max_within = 0;  ///< the largest error of this square and of all squares within it
   std::uint16_t centre = 0;
   std::array<std::uint16_t, 4> middles{};  ///< of the south, east, north and west edge
-};
-
-/// A sphere that contains all of the surface over a square. The centre is geocentric, in metres.
-struct SquareSphere {
-  glm::dvec3 centre{0};
-  double radius_m = 0;
 };
 
 /// The errors and bounding spheres of all squares of a tile's bisection hierarchy (BisectionForest).

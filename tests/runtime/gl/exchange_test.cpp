@@ -36,22 +36,14 @@ class Frames {
   void frame(const RenderList& list, const ViewState& view) {
     view_ = view;
     const CameraFrame camera = camera_frame(view);
-    const gl::FrameScale scale{camera.position, 1 / pixel_footprint_m(view, 1), kTolerance_px, longest_fade_};
+    const FrameScale scale{camera.position, 1 / pixel_footprint_m(view, 1), kTolerance_px, longest_fade_};
     shown_.update(list, scale, [this](const RenderTile& tile) { return surface_of(tile); });
-    std::vector<gl::MeshArea> areas;
-    for (const gl::ShownTile& shown : shown_.tiles()) {
+    std::vector<SurfaceArea> areas;
+    for (const ShownTile& shown : shown_.tiles()) {
       if (!shown.tile.visible) continue;
-      areas.push_back(
-          {shown.tile.area, surface_of(shown.tile), shown.tile.distance_m, shown.detail, shown.moves});
+      areas.push_back({shown.tile.area, surface_of(shown.tile), shown.detail, shown.moves});
     }
-    gl::MeshRules rules;
-    rules.tile_size = header_.tile_size;
-    rules.pixels_per_radian = scale.pixels_per_radian;
-    rules.tolerance_px = kTolerance_px;
-    rules.eye = camera.position;
-    const auto inward = inward_normals(camera, view);
-    rules.inward.assign(inward.begin(), inward.end());
-    gl::MeshPlan plan = gl::plan_mesh(areas, rules);
+    SurfacePlan plan = plan_surface(areas, {view, kTolerance_px, std::min(list.lowest_m, 0.0), true});
     mesh_ = std::make_unique<DrawnMesh>(std::move(areas), std::move(plan));
   }
   /// As if tiles were exchanged at once.
@@ -71,25 +63,24 @@ class Frames {
   std::size_t moving() const {
     const auto tiles = shown_.tiles();
     return static_cast<std::size_t>(
-        std::count_if(tiles.begin(), tiles.end(), [](const gl::ShownTile& t) { return t.moves; }));
+        std::count_if(tiles.begin(), tiles.end(), [](const ShownTile& t) { return t.moves; }));
   }
 
  private:
-  const gl::SurfaceTile* surface_of(const RenderTile& tile) {
+  const SurfaceTile* surface_of(const RenderTile& tile) {
     if (!tile.heights) return nullptr;
     auto& surface = surfaces_[tile.heights_id];
     if (!surface) {
-      surface = std::make_unique<gl::SurfaceTile>(
-          gl::SurfaceTile{tile.heights_id, tile.heights, header_.quantum_m, true,
-                          gl::relief_of(*tile.heights, header_.quantum_m)});
+      surface = std::make_unique<SurfaceTile>(
+          prepare_surface_tile(tile.heights_id, tile.heights, header_.quantum_m, false));
     }
     return surface.get();
   }
 
   PackHeader header_;
   double longest_fade_;
-  std::map<TileId, std::unique_ptr<gl::SurfaceTile>> surfaces_;
-  gl::LodTransition shown_;
+  std::map<TileId, std::unique_ptr<SurfaceTile>> surfaces_;
+  LodTransition shown_;
   ViewState view_;
   std::unique_ptr<DrawnMesh> mesh_;
 };
@@ -280,7 +271,7 @@ TEST_CASE("the picture has what the exchange says that is drawn, without a hole"
   const auto pack = dir.path() / "a.cairn";
   write_ridge_pack(pack, 0, 0);
   Stage stage(pack, 1280, 720);
-  Frames frames(stage.scene().pack().header(), gl::FrameScale().longest_fade);
+  Frames frames(stage.scene().pack().header(), FrameScale().longest_fade);
   std::size_t compared = 0, on_walls = 0;
   double worst_px = 0;
   int moving_frames = 0;

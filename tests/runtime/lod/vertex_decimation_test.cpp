@@ -165,7 +165,7 @@ TEST_CASE("A decimated mesh keeps its tolerance at every sample, its rim, and ha
         LodTileMesh& tile = mesh.tiles.front();
         const auto rim_before = rim(window, tile);
         before += tile.triangles.size();
-        const ScreenErrorBudget budget(view, scene.lowest_m);
+        const ScreenErrorBudget budget(view.view, view.tolerance_px, scene.lowest_m);
         VertexDecimation(budget).decimate({window, errors, kQuantum_m}, tile);
         after += tile.triangles.size();
         CAPTURE(place.lon, place.lat, level, round, view.tolerance_px, view.view.height_m);
@@ -197,7 +197,7 @@ TEST_CASE("Where the Earth's curvature alone exceeds the tolerance, not even a p
   view.view.pitch_deg = -60;
   LodMesh mesh = grid_of(window, 0);
   const std::size_t before = mesh.tiles[0].triangles.size();
-  const ScreenErrorBudget budget(view, scene.lowest_m);
+  const ScreenErrorBudget budget(view.view, view.tolerance_px, scene.lowest_m);
   VertexDecimation(budget).decimate({window, errors, kQuantum_m}, mesh.tiles[0]);
   CHECK(mesh.tiles[0].triangles.size() == before);
 }

@@ -8,16 +8,7 @@
 
 #include "cairn/geodesy.h"
 
-namespace cairn::gl {
-namespace {
-
-glm::dvec3 position(const ColumnEntry& column, const RowEntry& row, double h) {
-  const double from_axis = row.x + h * row.y;
-  return {from_axis * column.x, from_axis * column.y, row.z + h * row.w};
-}
-
-}  // namespace
-
+namespace cairn {
 TEST_CASE("a column's and a row's entry give GeographicLib's position within ten nanometres") {
   for (const TileId& id : {TileId{-9, 0, 0}, TileId{-4, 22, 5}, TileId{0, 0, 0}, TileId{0, 359, 179},
                            TileId{3, 1733, 1080}, tile_at({86.9, 27.98}, 14)}) {
@@ -30,7 +21,7 @@ TEST_CASE("a column's and a row's entry give GeographicLib's position within ten
       if (place.lon > 180 || place.lat > 90) continue;
       for (const double h : {-400.0, 0.0, 8848.0}) {
         CAPTURE(to_string(id), place.lon, place.lat, h);
-        CHECK(glm::length(position(columns[i], rows[i], h) - to_geocentric(place, h)) < 1e-8);
+        CHECK(glm::length(position_of(columns[i], rows[i], h) - to_geocentric(place, h)) < 1e-8);
       }
     }
   }
@@ -45,4 +36,4 @@ TEST_CASE("tiles that share a meridian or a parallel have bit-equal entries ther
   CHECK(row_table(1, tiles_pole_to_pole(1) - 1, 513).back().y == 0);
 }
 
-}  // namespace cairn::gl
+}  // namespace cairn

@@ -9,7 +9,7 @@
 
 #include "tests/support/test_pack.h"
 
-namespace cairn::gl {
+namespace cairn {
 namespace {
 
 constexpr double kQuantum_m = 0.25;
@@ -36,7 +36,7 @@ class World {
     auto& slot = surfaces_[tile.heights_id];
     if (!slot) {
       slot = std::make_unique<SurfaceTile>(
-          SurfaceTile{tile.heights_id, tile.heights, kQuantum_m, true, relief_of(*tile.heights, kQuantum_m)});
+          prepare_surface_tile(tile.heights_id, tile.heights, kQuantum_m, false));
     }
     return slot.get();
   }
@@ -148,4 +148,4 @@ TEST_CASE("what was not visible, and what a cut parts from the last frame, is sh
   }
 }
 
-}  // namespace cairn::gl
+}  // namespace cairn

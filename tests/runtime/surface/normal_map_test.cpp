@@ -8,7 +8,7 @@
 #include "runtime/surface/bc5.h"
 #include "cairn/geodesy.h"
 
-namespace cairn::gl {
+namespace cairn {
 namespace {
 
 /// The values of one channel of one block, as ARB_texture_compression_rgtc says to read it.
@@ -76,4 +76,4 @@ TEST_CASE("the normals of an inclined plane are the plane's, at every mip") {
   CHECK(offset == blocks.size());
 }
 
-}  // namespace cairn::gl
+}  // namespace cairn

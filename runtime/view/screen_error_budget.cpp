@@ -1,4 +1,4 @@
-#include "runtime/lod/mesh/screen_error_budget.h"
+#include "runtime/view/screen_error_budget.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,20 +33,20 @@ constexpr double kSmall = 1.0 / 32;
 
 }  // namespace
 
-ScreenErrorBudget::ScreenErrorBudget(const LodView& view, double lowest_m)
-    : horizon_(camera_frame(view.view).position, Occluder(lowest_m)), tolerance_px_(view.tolerance_px) {
-  const CameraFrame camera = camera_frame(view.view);
+ScreenErrorBudget::ScreenErrorBudget(const ViewState& view, double tolerance_px, double lowest_m)
+    : horizon_(camera_frame(view).position, Occluder(lowest_m)), tolerance_px_(tolerance_px) {
+  const CameraFrame camera = camera_frame(view);
   position_ = camera.position;
   forward_ = camera.forward;
   right_ = camera.right;
   up_ = camera.up;
-  const double high = std::tan(glm::radians(view.view.fov_y_deg) / 2);
-  const double wide = high * view.view.viewport_width_px / view.view.viewport_height_px;
+  const double high = std::tan(glm::radians(view.fov_y_deg) / 2);
+  const double wide = high * view.viewport_width_px / view.viewport_height_px;
   inward_ = {glm::normalize(camera.forward * wide + camera.right),
              glm::normalize(camera.forward * wide - camera.right),
              glm::normalize(camera.forward * high + camera.up),
              glm::normalize(camera.forward * high - camera.up)};
-  focal_px_ = view.view.viewport_height_px / (2 * high);
+  focal_px_ = view.viewport_height_px / (2 * high);
   corner_cosine_ = 1 / std::hypot(1.0, high, wide);
 }
 

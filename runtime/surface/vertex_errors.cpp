@@ -1,4 +1,4 @@
-#include "runtime/lod/mesh/vertex_errors.h"
+#include "runtime/surface/vertex_errors.h"
 
 #include <algorithm>
 #include <cmath>

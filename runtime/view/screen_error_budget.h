@@ -5,11 +5,16 @@
 
 #include <glm/vec3.hpp>
 
-#include "runtime/lod/mesh/lod_scene.h"
-#include "runtime/lod/mesh/square_errors.h"
+#include "cairn/view_state.h"
 #include "runtime/view/horizon.h"
 
 namespace cairn {
+
+/// A sphere that contains all of the surface over a square. The centre is geocentric, in metres.
+struct SquareSphere {
+  glm::dvec3 centre{0};
+  double radius_m = 0;
+};
 
 /// Returns the vertical errors, in metres, that triangles may have for one camera and tolerance.
 ///
@@ -24,7 +29,7 @@ namespace cairn {
 class ScreenErrorBudget {
  public:
   /// `lowest_m` is the lowest height of the scene. What the ellipsoid at that height occludes is invisible.
-  ScreenErrorBudget(const LodView& view, double lowest_m);
+  ScreenErrorBudget(const ViewState& view, double tolerance_px, double lowest_m);
 
   double tolerance_px() const { return tolerance_px_; }
 

@@ -1,0 +1,122 @@
+#include "runtime/gl/host_state.h"
+
+namespace cairn::gl {
+namespace {
+
+constexpr std::array<GLenum, 16> kSwitches = {
+    GL_BLEND,           GL_CULL_FACE,         GL_DEPTH_TEST,          GL_DEPTH_CLAMP,
+    GL_STENCIL_TEST,    GL_SCISSOR_TEST,      GL_FRAMEBUFFER_SRGB,    GL_RASTERIZER_DISCARD,
+    GL_POLYGON_OFFSET_FILL, GL_POLYGON_OFFSET_LINE, GL_COLOR_LOGIC_OP, GL_SAMPLE_ALPHA_TO_COVERAGE,
+    GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK,       GL_PRIMITIVE_RESTART,   GL_PRIMITIVE_RESTART_FIXED_INDEX};
+constexpr GLenum kClipDistances = 8;
+
+/// As a fresh context has them.
+struct Store {
+  GLenum name;
+  GLint fresh;
+};
+constexpr std::array<Store, 12> kStores = {{{GL_UNPACK_SWAP_BYTES, 0},
+                                            {GL_UNPACK_LSB_FIRST, 0},
+                                            {GL_UNPACK_ROW_LENGTH, 0},
+                                            {GL_UNPACK_IMAGE_HEIGHT, 0},
+                                            {GL_UNPACK_SKIP_ROWS, 0},
+                                            {GL_UNPACK_SKIP_PIXELS, 0},
+                                            {GL_UNPACK_SKIP_IMAGES, 0},
+                                            {GL_UNPACK_ALIGNMENT, 4},
+                                            {GL_UNPACK_COMPRESSED_BLOCK_WIDTH, 0},
+                                            {GL_UNPACK_COMPRESSED_BLOCK_HEIGHT, 0},
+                                            {GL_UNPACK_COMPRESSED_BLOCK_DEPTH, 0},
+                                            {GL_UNPACK_COMPRESSED_BLOCK_SIZE, 0}}};
+
+void set(GLenum name, bool on) {
+  if (on) {
+    glEnable(name);
+  } else {
+    glDisable(name);
+  }
+}
+
+}  // namespace
+
+HostState::HostState() {
+  for (const GLenum name : kSwitches) switches_.push_back({name, glIsEnabled(name) == GL_TRUE});
+  for (GLenum i = 0; i < kClipDistances; ++i)
+    switches_.push_back({GL_CLIP_DISTANCE0 + i, glIsEnabled(GL_CLIP_DISTANCE0 + i) == GL_TRUE});
+  for (const Store& store : kStores) {
+    GLint value = 0;
+    glGetIntegerv(store.name, &value);
+    stores_.push_back({store.name, value});
+  }
+  for (GLuint i = 0; i < kUnits; ++i) {
+    glGetIntegeri_v(GL_TEXTURE_BINDING_2D_ARRAY, i, &units_[i].texture);
+    glGetIntegeri_v(GL_SAMPLER_BINDING, i, &units_[i].sampler);
+  }
+  glGetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &storage_binding_);
+  glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 0, &storage_.buffer);
+  glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, 0, &storage_.start);
+  glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, 0, &storage_.size);
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_framebuffer_);
+  glGetFloati_v(GL_VIEWPORT, 0, viewport_.data());
+  glGetDoublei_v(GL_DEPTH_RANGE, 0, depth_range_.data());
+  glGetIntegerv(GL_CLIP_ORIGIN, &clip_origin_);
+  glGetIntegerv(GL_CLIP_DEPTH_MODE, &clip_depth_);
+  glGetIntegerv(GL_DEPTH_FUNC, &depth_function_);
+  glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask_);
+  glGetBooleani_v(GL_COLOR_WRITEMASK, 0, colour_mask_.data());
+  glGetIntegerv(GL_POLYGON_MODE, polygon_mode_.data());
+  glGetIntegerv(GL_CURRENT_PROGRAM, &program_);
+  glGetIntegerv(GL_PROGRAM_PIPELINE_BINDING, &pipeline_);
+  glGetIntegerv(GL_VERTEX_ARRAY_BINDING, &vertex_array_);
+  glGetIntegerv(GL_DRAW_INDIRECT_BUFFER_BINDING, &indirect_buffer_);
+  glGetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &unpack_buffer_);
+
+  for (const Switch& each : switches_) glDisable(each.name);
+  for (const Store& store : kStores) glPixelStorei(store.name, store.fresh);
+  for (GLuint i = 0; i < kUnits; ++i) glBindSampler(i, 0);
+  glDepthMask(GL_TRUE);
+  glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+}
+
+HostState::~HostState() {
+  for (const Switch& each : switches_) set(each.name, each.was_on);
+  for (const StoreValue& store : stores_) glPixelStorei(store.name, store.value);
+  for (GLuint i = 0; i < kUnits; ++i) {
+    const GLuint texture = static_cast<GLuint>(units_[i].texture);
+    // Zero would unbind the unit's textures of every kind.
+    if (texture != 0) {
+      glBindTextureUnit(i, texture);
+    } else {
+      GLint active = 0;
+      glGetIntegerv(GL_ACTIVE_TEXTURE, &active);
+      glActiveTexture(GL_TEXTURE0 + i);
+      glBindTexture(GL_TEXTURE_2D_ARRAY, 0);
+      glActiveTexture(static_cast<GLenum>(active));
+    }
+    glBindSampler(i, static_cast<GLuint>(units_[i].sampler));
+  }
+  const auto storage = static_cast<GLuint>(storage_.buffer);
+  if (storage != 0 && storage_.size > 0) {
+    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, storage, static_cast<GLintptr>(storage_.start),
+                      static_cast<GLsizeiptr>(storage_.size));
+  } else {
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, storage);
+  }
+  glBindBuffer(GL_SHADER_STORAGE_BUFFER, static_cast<GLuint>(storage_binding_));
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_framebuffer_));
+  glViewportIndexedfv(0, viewport_.data());
+  glDepthRangeIndexed(0, depth_range_[0], depth_range_[1]);
+  glClipControl(static_cast<GLenum>(clip_origin_), static_cast<GLenum>(clip_depth_));
+  glDepthFunc(static_cast<GLenum>(depth_function_));
+  glDepthMask(depth_mask_);
+  glColorMaski(0, colour_mask_[0], colour_mask_[1], colour_mask_[2], colour_mask_[3]);
+  glPolygonMode(GL_FRONT_AND_BACK, static_cast<GLenum>(polygon_mode_[0]));
+  glUseProgram(static_cast<GLuint>(program_));
+  glBindProgramPipeline(static_cast<GLuint>(pipeline_));
+  glBindVertexArray(static_cast<GLuint>(vertex_array_));
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, static_cast<GLuint>(indirect_buffer_));
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, static_cast<GLuint>(unpack_buffer_));
+}
+
+}  // namespace cairn::gl

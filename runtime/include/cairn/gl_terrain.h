@@ -1,0 +1,91 @@
+#pragma once
+
+// START HERE to let cairn draw a pack into your OpenGL program.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include "cairn/pack_reader.h"
+#include "cairn/status.h"
+#include "cairn/terrain.h"
+#include "cairn/view_state.h"
+
+namespace cairn {
+
+/// How the ground looks.
+struct GlLook {
+  glm::dvec3 to_sun{0, 0, 1};  ///< geocentric, unit length
+  bool sky = true;             ///< drawn where the depth is still the farthest; with a perspective only
+  bool fog = true;
+  bool depth_only = false;     ///< no colour is written, and no sky
+  bool wireframe = false;
+  bool level_colours = false;  ///< a colour for each level of the tiles instead of imagery or tint
+};
+
+/// Where a picture goes, without a clear: what nearer things have drawn there hides the ground.
+struct GlTarget {
+  unsigned framebuffer = 0;    ///< the name; one with several samples a pixel too
+  int x = 0;                   ///< of the viewport's lower left corner, pixels
+  int y = 0;
+  int width_px = 0;
+  int height_px = 0;
+  bool reversed_depth = true;  ///< depth 1 near and 0 far, cleared to 0, in a float buffer; else OpenGL's own
+  bool is_srgb = true;         ///< the colour attachment encodes what is written; else it is written linear
+};
+
+/// What a picture took.
+struct GlCounts {
+  std::size_t patches = 0;
+  std::size_t triangles = 0;
+  std::uint64_t gpu_bytes = 0;     ///< of textures and buffers
+  std::optional<double> gpu_ms;    ///< of an earlier picture, the last that the GPU has finished; by its clock
+};
+
+/// From metres relative to the eye, along the Earth's axes, to clip space; depth is 5 cm / distance: 1 at the
+/// near plane, 0 infinitely far. What GlTerrain::draw() takes where it is given no other.
+glm::dmat4 clip_from_eye(const ViewState& view);
+
+/// The terrain of a pack in an OpenGL 4.5 context.
+///
+/// All is called with that context current, on its thread. The host's state is neither trusted nor changed:
+/// what drawing depends on is set, and what was there is given back, but a transform feedback, conditional
+/// rendering or a pipeline statistics query in progress. docs/using-the-runtime.md has a program.
+class GlTerrain {
+ public:
+  /// failed where the context is older than 4.5 or a shader is refused; what Terrain::open() fails with.
+  static Result<GlTerrain> create(std::shared_ptr<const PackReader> pack, const TerrainOptions& options = {});
+  GlTerrain(GlTerrain&&) noexcept;
+  GlTerrain& operator=(GlTerrain&&) noexcept;
+  ~GlTerrain();
+
+  /// Call once a frame: pages tiles, makes the surface for the view, with `tolerance_px` of screen error, and
+  /// uploads what is new. The list holds until the next call.
+  const RenderList& update(const ViewState& view, double dt_s, double tolerance_px = 1);
+
+  /// The next update has nothing to do with the last one: nothing glides into it.
+  void cut();
+
+  /// Draws the surface of the last update, as often as wanted. A projection of one's own, off-centre,
+  /// jittered or orthographic, sees ground where it sees nothing that the view does not; its depth is as
+  /// the target says.
+  GlCounts draw(const GlLook& look, const GlTarget& target);
+  GlCounts draw(const GlLook& look, const GlTarget& target, const glm::dmat4& clip_from_eye);
+
+  const Terrain& terrain() const;
+
+  /// What this context cannot show, each once, since the last call.
+  std::vector<Error> take_errors();
+
+ private:
+  struct State;
+  explicit GlTerrain(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cairn

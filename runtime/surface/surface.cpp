@@ -1,0 +1,115 @@
+#include "cairn/surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include "runtime/surface/drawn_ground.h"
+#include "runtime/surface/height_preparation.h"
+#include "runtime/surface/lod_transition.h"
+#include "runtime/surface/surface_plan.h"
+
+namespace cairn {
+namespace {
+
+constexpr double kLongestFade_s = 2;  // that the exchange of a level takes at most
+
+}  // namespace
+
+struct Surface::State {
+  explicit State(const PackHeader& header) : quantum_m(header.quantum_m) {}
+
+  double quantum_m;
+  std::shared_ptr<PreparedHeights> prepared = std::make_shared<PreparedHeights>();
+  LodTransition shown;
+  std::unordered_map<TileId, SurfaceTile> tiles;
+  std::vector<TileKey> evicted;  // and shown on, as far as is known
+  SurfaceMesher mesher;
+  SurfaceFrame frame;
+
+  const SurfaceTile* tile_of(const RenderTile& tile);
+  void release(const std::vector<TileKey>& newly_evicted);
+};
+
+const SurfaceTile* Surface::State::tile_of(const RenderTile& tile) {
+  if (!tile.heights) return nullptr;
+  const auto known = tiles.find(tile.heights_id);
+  if (known != tiles.end()) return &known->second;
+  PreparedHeightTile made = prepared->take(tile.heights_id, tile.heights, quantum_m);
+  frame.fresh.push_back(std::move(made.textures));
+  return &tiles.emplace(tile.heights_id, std::move(made.surface)).first->second;
+}
+
+void Surface::State::release(const std::vector<TileKey>& newly_evicted) {
+  for (const TileKey& key : newly_evicted) {
+    if (key.layer == Layer::heights) prepared->forget(key.id);
+  }
+  evicted.insert(evicted.end(), newly_evicted.begin(), newly_evicted.end());
+  if (evicted.empty()) return;
+  std::unordered_set<TileKey> used;
+  for (const ShownTile& each : shown.tiles()) {
+    used.insert({Layer::heights, each.tile.heights_id});
+    used.insert({Layer::imagery, each.tile.imagery_id});
+  }
+  std::erase_if(evicted, [&](const TileKey& key) {
+    if (used.contains(key)) return false;
+    if (key.layer == Layer::heights) tiles.erase(key.id);
+    frame.released.push_back(key);
+    return true;
+  });
+}
+
+SurfaceWindow window_in(const TileId& tile, const TileId& patch) {
+  const LatticePoint p = south_west_of(patch), t = south_west_of(tile);
+  const auto width = static_cast<double>(lattice_width(tile.level));
+  return {{static_cast<double>(p.x - t.x) / width, static_cast<double>(p.y - t.y) / width},
+          std::ldexp(1.0, tile.level - patch.level)};
+}
+
+Surface::Surface(const PackHeader& header) : state_(std::make_unique<State>(header)) {}
+Surface::Surface(Surface&&) noexcept = default;
+Surface& Surface::operator=(Surface&&) noexcept = default;
+Surface::~Surface() = default;
+
+ReadTile Surface::preparing(ReadTile read) const {
+  return [prepared = state_->prepared, read = std::move(read),
+          quantum_m = state_->quantum_m](const IndexEntry& entry) {
+    Result<LoadedTile> tile = read(entry);
+    if (tile && tile->heights) prepared->add(entry.id, tile->heights, quantum_m);
+    return tile;
+  };
+}
+
+const SurfaceFrame& Surface::frame(const RenderList& list, const SurfaceView& view) {
+  State& s = *state_;
+  s.frame = {};
+  // 1. Which tiles are shown, and with how much detail each.
+  FrameScale scale{camera_frame(view.view).position, 1 / pixel_footprint_m(view.view, 1), view.tolerance_px};
+  if (view.frame_s > 0) scale.longest_fade = std::max(1.0, kLongestFade_s / view.frame_s);
+  s.shown.update(list, scale, [&s](const RenderTile& tile) { return s.tile_of(tile); });
+  s.release(list.evicted);
+  // 2. Their areas.
+  std::vector<SurfaceArea> areas;
+  for (const ShownTile& each : s.shown.tiles()) {
+    // Where there are no heights, what ends there may be seen though the ground is not: its walls are drawn
+    // with it.
+    if (!each.tile.visible && each.tile.heights) continue;
+    areas.push_back({each.tile.area, s.tile_of(each.tile), each.detail, each.moves});
+    s.frame.tiles.push_back(&each.tile);
+  }
+  // 3. Patches, and the triangles of those that are new.
+  s.frame.mesh = s.mesher.frame(areas, {view.view, view.tolerance_px, std::min(list.lowest_m, 0.0), true});
+  return s.frame;
+}
+
+void Surface::cut() {
+  state_->shown.cut();
+}
+
+std::optional<double> Surface::ground_m(LonLat place) const {
+  return drawn_ground_m(state_->shown.tiles(), state_->quantum_m, place);
+}
+
+}  // namespace cairn

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+
+#include "cairn/surface_mesh.h"
+#include "runtime/surface/patch_partition.h"
+#include "runtime/surface/range_arena.h"
+#include "runtime/surface/side_joints.h"
+
+namespace cairn {
+
+/// The patches of a surface and how they meet, without their triangles.
+struct SurfacePlan {
+  PatchPartition partition;
+  SideJoints joints;
+};
+
+/// Chooses the patches of a view and joins them. REQUIRES: no two areas overlap.
+SurfacePlan plan_surface(std::span<const SurfaceArea> areas, const SurfaceRules& rules);
+
+/// Makes the meshes of frames, and keeps those of patches from frame to frame: a frame makes what is new.
+///
+/// What is drawn at a place is its area's surface and nobody else's. One thread. Patches that
+/// kKeptFrames frames have not shown are dropped.
+class SurfaceMesher {
+ public:
+  /// REQUIRES: no two areas overlap; a tile of one id has one content for as long as this lives.
+  SurfaceMesh frame(std::span<const SurfaceArea> areas, const SurfaceRules& rules);
+
+ private:
+  static constexpr std::uint64_t kKeptFrames = 90;
+
+  /// What a patch's triangles depend on.
+  struct Key {
+    TileId area;
+    int source_level = 0;
+    int finer_level = 0;
+    bool glides = false;
+    std::int16_t cells_log2 = 0;
+    std::int16_t step = 0;
+    std::int16_t forced_log2 = 0;
+    SideVertices sides{};
+    friend bool operator==(const Key&, const Key&) = default;
+  };
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const noexcept;
+  };
+  struct Kept {
+    std::uint32_t first_vertex = 0;
+    std::uint32_t vertices = 0;
+    std::uint32_t first_index = 0;
+    std::uint32_t indices = 0;
+    std::uint64_t used = 0;  // the last frame
+  };
+
+  static Key key_of(const SurfacePatch& patch, const SideVertices& sides);
+  Kept make(const SurfacePatch& patch, const SideVertices& sides);
+  void drop_unused();
+
+  std::unordered_map<Key, Kept, KeyHash> kept_;
+  RangeArena vertices_;
+  RangeArena indices_;
+  SurfaceMesh mesh_;
+  std::uint64_t frame_ = 0;
+};
+
+}  // namespace cairn

@@ -1,0 +1,42 @@
+#include "runtime/viewer/method_mesh.h"
+
+#include <cstddef>
+
+#include "cairn/geodesy.h"
+
+namespace cairn::viewer {
+namespace {
+
+SurfaceWallVertex vertex_of(const LodVertex& vertex, std::size_t tile, const TileId& area) {
+  const LatticePoint corner = south_west_of(area);
+  const std::int64_t width = lattice_width(area.level);
+  LonLat place = place_of(vertex.point);
+  if (place.lon == 180) place.lon = -180;  // so that both sides of the antimeridian have the same bits
+  const glm::dvec3 position = to_geocentric(place, vertex.height_m);
+  const glm::vec3 high(position);
+  const auto part = [&](std::int64_t from, std::int64_t to) {
+    return static_cast<std::uint16_t>((to - from) * kSurfaceSide / width);
+  };
+  const auto number = static_cast<std::uint32_t>(tile);
+  return {{high, glm::vec3(position - glm::dvec3(high)), static_cast<float>(vertex.height_m), 0,
+           part(corner.x, vertex.point.x), part(corner.y, vertex.point.y)},
+          number,
+          number};
+}
+
+}  // namespace
+
+SurfaceWalls vertices_of(const LodMesh& mesh, const LodScene& scene) {
+  SurfaceWalls out;
+  for (const LodTileMesh& part : mesh.tiles) {
+    const auto first = static_cast<std::uint32_t>(out.vertices.size());
+    const TileId& area = scene.tiles[part.tile].area;
+    for (const LodVertex& vertex : part.vertices) out.vertices.push_back(vertex_of(vertex, part.tile, area));
+    for (const LodTriangle& triangle : part.triangles) {
+      for (const std::uint32_t corner : triangle) out.indices.push_back(first + corner);
+    }
+  }
+  return out;
+}
+
+}  // namespace cairn::viewer

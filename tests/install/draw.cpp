@@ -1,0 +1,153 @@
+// Draws a pack with a renderer of its own, made of cairn::surface and 20 lines of shader, and compares its depth
+// with that of cairn::gl.
+#include <cairn/gl_terrain.h>
+#include <cairn/surface.h>
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <glm/gtc/type_ptr.hpp>
+#include <string>
+#include <thread>
+
+constexpr int kWidth = 640, kHeight = 360;
+
+const char* const kVertex = R"(#version 450
+layout(location = 0) in vec3 high;
+layout(location = 1) in vec3 low;
+layout(location = 2) in float to_coarser;
+layout(location = 0) uniform mat4 clip_from_eye;
+layout(location = 1) uniform vec3 eye_high;
+layout(location = 2) uniform vec3 eye_low;
+layout(location = 3) uniform float coarser_share;
+void main() {
+  vec3 from_eye = (high - eye_high) + (low - eye_low);
+  vec3 up = normalize(eye_high + from_eye);
+  gl_Position = clip_from_eye * vec4(from_eye + up * to_coarser * coarser_share, 1.0);
+})";
+
+void attach(GLuint program, GLenum kind, const char* text) {
+  const GLuint name = glCreateShader(kind);
+  glShaderSource(name, 1, &text, nullptr);
+  glCompileShader(name);
+  glAttachShader(program, name);
+}
+
+/// Takes the three attributes that the shader has from vertices of this size.
+GLuint vertex_array(GLuint vertices, GLuint indices, GLsizei stride) {
+  GLuint name = 0;
+  glCreateVertexArrays(1, &name);
+  glVertexArrayVertexBuffer(name, 0, vertices, 0, stride);
+  glVertexArrayElementBuffer(name, indices);
+  for (GLuint i = 0; i < 3; ++i) {
+    glEnableVertexArrayAttrib(name, i);
+    glVertexArrayAttribBinding(name, i, 0);
+  }
+  glVertexArrayAttribFormat(name, 0, 3, GL_FLOAT, GL_FALSE, offsetof(cairn::SurfaceVertex, high));
+  glVertexArrayAttribFormat(name, 1, 3, GL_FLOAT, GL_FALSE, offsetof(cairn::SurfaceVertex, low));
+  glVertexArrayAttribFormat(name, 2, 1, GL_FLOAT, GL_FALSE, offsetof(cairn::SurfaceVertex, to_coarser_m));
+  return name;
+}
+
+GLuint buffer(std::size_t bytes, const void* data) {
+  GLuint name = 0;
+  glCreateBuffers(1, &name);
+  glNamedBufferData(name, static_cast<GLsizeiptr>(bytes), data, GL_STATIC_DRAW);
+  return name;
+}
+
+void draw(const cairn::SurfaceMesh& mesh) {
+  // One frame only, so that the buffers are as large as it needs.
+  const GLuint vertices = buffer(mesh.vertex_end * sizeof(cairn::SurfaceVertex), nullptr);
+  const GLuint indices = buffer(mesh.index_end * sizeof(std::uint16_t), nullptr);
+  for (const cairn::SurfaceUpload& up : mesh.uploads) {
+    glNamedBufferSubData(vertices, GLintptr(up.first_vertex * sizeof up.vertices[0]),
+                         GLsizeiptr(up.vertices.size() * sizeof up.vertices[0]), up.vertices.data());
+    glNamedBufferSubData(indices, GLintptr(up.first_index * sizeof up.indices[0]),
+                         GLsizeiptr(up.indices.size() * sizeof up.indices[0]), up.indices.data());
+  }
+  glBindVertexArray(vertex_array(vertices, indices, sizeof(cairn::SurfaceVertex)));
+  for (const cairn::SurfaceDraw& each : mesh.draws) {
+    glUniform1f(3, each.coarser_share);
+    glDrawElementsBaseVertex(GL_TRIANGLES, GLsizei(each.index_count), GL_UNSIGNED_SHORT,
+                             reinterpret_cast<const void*>(each.first_index * sizeof(std::uint16_t)),
+                             GLint(each.first_vertex));
+  }
+  // A single frame glides nowhere: the walls' shares are all 0.
+  const cairn::SurfaceWalls& walls = mesh.walls;
+  if (walls.indices.empty()) return;
+  const GLuint rims = buffer(walls.vertices.size() * sizeof walls.vertices[0], walls.vertices.data());
+  const GLuint triangles = buffer(walls.indices.size() * sizeof walls.indices[0], walls.indices.data());
+  glBindVertexArray(vertex_array(rims, triangles, sizeof(cairn::SurfaceWallVertex)));
+  glUniform1f(3, 0);
+  glDrawElements(GL_TRIANGLES, GLsizei(walls.indices.size()), GL_UNSIGNED_INT, nullptr);
+}
+
+int main(int argc, char** argv) {
+  if (argc != 4) return std::fprintf(stderr, "usage: draw PACK LON LAT\n"), 2;
+  const EGLDisplay display = eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr);
+  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5, EGL_NONE};
+  eglInitialize(display, nullptr, nullptr);
+  eglBindAPI(EGL_OPENGL_API);
+  if (!eglMakeCurrent(display, nullptr, nullptr, eglCreateContext(display, nullptr, nullptr, attributes)))
+    return std::fprintf(stderr, "no OpenGL 4.5\n"), 1;
+  GLuint texture = 0, framebuffer = 0;
+  glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+  glTextureStorage2D(texture, 1, GL_DEPTH_COMPONENT32F, kWidth, kHeight);
+  glCreateFramebuffers(1, &framebuffer);
+  glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, texture, 0);
+  const auto depth_of = [&](auto picture) {
+    const float farthest = 0;
+    glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &farthest);
+    picture();
+    std::vector<float> depth(kWidth * kHeight);
+    glGetTextureImage(texture, 0, GL_DEPTH_COMPONENT, GL_FLOAT, GLsizei(depth.size() * sizeof(float)), depth.data());
+    return depth;
+  };
+
+  auto opened = cairn::PackReader::open(argv[1]);
+  if (!opened) return std::fprintf(stderr, "%s\n", opened.error().message.c_str()), 3;
+  const auto pack = std::make_shared<const cairn::PackReader>(std::move(*opened));
+  cairn::ViewState view{{std::stod(argv[2]), std::stod(argv[3])}, 1500, 90, -10, 0, 60, kWidth, kHeight};
+
+  auto theirs = cairn::GlTerrain::create(pack);
+  if (!theirs) return std::fprintf(stderr, "%s\n", theirs.error().message.c_str()), 1;
+  cairn::Surface surface(pack->header());
+  while (!theirs->update(view, 0).is_settled) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  theirs->cut();
+  const cairn::SurfaceMesh& mesh = surface.frame(theirs->update(view, 0), {view}).mesh;
+  cairn::GlLook look;
+  look.depth_only = true;
+  const auto expected = depth_of([&] { theirs->draw(look, {framebuffer, 0, 0, kWidth, kHeight}); });
+
+  const GLuint program = glCreateProgram();
+  attach(program, GL_VERTEX_SHADER, kVertex);
+  attach(program, GL_FRAGMENT_SHADER, "#version 450\nvoid main() {}");
+  glLinkProgram(program);
+  const auto drawn = depth_of([&] {
+    const glm::dvec3 eye = cairn::camera_frame(view).position;
+    const glm::vec3 high(eye), low(eye - glm::dvec3(high));
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glViewport(0, 0, kWidth, kHeight);
+    glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    glEnable(GL_DEPTH_TEST);
+    glEnable(GL_DEPTH_CLAMP);
+    glDepthFunc(GL_GREATER);
+    glUseProgram(program);
+    glUniformMatrix4fv(0, 1, GL_FALSE, glm::value_ptr(glm::mat4(cairn::clip_from_eye(view))));
+    glUniform3fv(1, 1, glm::value_ptr(high));
+    glUniform3fv(2, 1, glm::value_ptr(low));
+    draw(mesh);
+  });
+
+  // Along the view, in pixels of that distance.
+  double worst = 0;
+  for (std::size_t i = 0; i < drawn.size(); ++i)
+    worst = std::max(worst, std::abs(double(drawn[i]) / std::max(expected[i], 1e-30f) - 1) *
+                                (kHeight / 2 / std::tan(glm::radians(30.0))));
+  std::printf("%zu patches, %llu triangles; largest difference %.4f px\n", mesh.draws.size(),
+              static_cast<unsigned long long>(mesh.triangles), worst);
+}
