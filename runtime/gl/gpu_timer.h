@@ -6,10 +6,13 @@
 
 #include <epoxy/gl.h>
 
+#include "runtime/gl/software_driver.h"
+
 namespace cairn::gl {
 
 /// Measures pictures by the GPU's clock, and never waits for it: a result is that of an earlier picture. By
-/// time stamps, which a host's own time queries do not disturb.
+/// time stamps, which a host's own time queries do not disturb. On a software driver, whose stamps lie where
+/// it begins its own work, nothing is measured.
 class GpuTimer {
  public:
   GpuTimer() { glCreateQueries(GL_TIMESTAMP, static_cast<GLsizei>(names_.size()), names_.data()); }
@@ -27,7 +30,7 @@ class GpuTimer {
     ++begun_;
   }
   /// Of the last picture that the GPU has finished.
-  std::optional<double> ms() const { return ms_; }
+  std::optional<double> ms() const { return is_software_ ? std::nullopt : ms_; }
 
  private:
   static constexpr std::size_t kPairs = 4;
@@ -47,6 +50,7 @@ class GpuTimer {
     }
   }
 
+  bool is_software_ = draws_in_software();
   std::array<GLuint, 2 * kPairs> names_{};
   std::size_t begun_ = 0;
   std::size_t collected_ = 0;

@@ -3,11 +3,13 @@
 namespace cairn::gl {
 namespace {
 
-constexpr std::array<GLenum, 16> kSwitches = {
-    GL_BLEND,           GL_CULL_FACE,         GL_DEPTH_TEST,          GL_DEPTH_CLAMP,
-    GL_STENCIL_TEST,    GL_SCISSOR_TEST,      GL_FRAMEBUFFER_SRGB,    GL_RASTERIZER_DISCARD,
-    GL_POLYGON_OFFSET_FILL, GL_POLYGON_OFFSET_LINE, GL_COLOR_LOGIC_OP, GL_SAMPLE_ALPHA_TO_COVERAGE,
-    GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK,       GL_PRIMITIVE_RESTART,   GL_PRIMITIVE_RESTART_FIXED_INDEX};
+constexpr std::array kSwitches = {GLenum{GL_CULL_FACE},           GLenum{GL_DEPTH_TEST},
+                                  GLenum{GL_DEPTH_CLAMP},         GLenum{GL_STENCIL_TEST},
+                                  GLenum{GL_FRAMEBUFFER_SRGB},    GLenum{GL_RASTERIZER_DISCARD},
+                                  GLenum{GL_POLYGON_OFFSET_FILL}, GLenum{GL_POLYGON_OFFSET_LINE},
+                                  GLenum{GL_COLOR_LOGIC_OP},      GLenum{GL_SAMPLE_ALPHA_TO_COVERAGE},
+                                  GLenum{GL_SAMPLE_COVERAGE},     GLenum{GL_SAMPLE_MASK},
+                                  GLenum{GL_PRIMITIVE_RESTART},   GLenum{GL_PRIMITIVE_RESTART_FIXED_INDEX}};
 constexpr GLenum kClipDistances = 8;
 
 /// As a fresh context has them.
@@ -62,7 +64,9 @@ HostState::HostState() {
   glGetIntegerv(GL_CLIP_DEPTH_MODE, &clip_depth_);
   glGetIntegerv(GL_DEPTH_FUNC, &depth_function_);
   glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask_);
-  glGetBooleani_v(GL_COLOR_WRITEMASK, 0, colour_mask_.data());
+  for (GLuint i = 0; i < kTargets; ++i) glGetBooleani_v(GL_COLOR_WRITEMASK, i, colour_masks_[i].data());
+  blends_ = glIsEnabledi(GL_BLEND, 0);
+  has_scissor_ = glIsEnabledi(GL_SCISSOR_TEST, 0);
   glGetIntegerv(GL_POLYGON_MODE, polygon_mode_.data());
   glGetIntegerv(GL_CURRENT_PROGRAM, &program_);
   glGetIntegerv(GL_PROGRAM_PIPELINE_BINDING, &pipeline_);
@@ -74,7 +78,13 @@ HostState::HostState() {
   for (const Store& store : kStores) glPixelStorei(store.name, store.fresh);
   for (GLuint i = 0; i < kUnits; ++i) glBindSampler(i, 0);
   glDepthMask(GL_TRUE);
-  glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDisablei(GL_BLEND, 0);
+  glDisablei(GL_SCISSOR_TEST, 0);
+  // What the shaders do not write to other attachments would be undefined there.
+  for (GLuint i = 0; i < kTargets; ++i) {
+    const GLboolean is_written = i == 0 ? GL_TRUE : GL_FALSE;
+    glColorMaski(i, is_written, is_written, is_written, is_written);
+  }
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
 }
@@ -110,7 +120,12 @@ HostState::~HostState() {
   glClipControl(static_cast<GLenum>(clip_origin_), static_cast<GLenum>(clip_depth_));
   glDepthFunc(static_cast<GLenum>(depth_function_));
   glDepthMask(depth_mask_);
-  glColorMaski(0, colour_mask_[0], colour_mask_[1], colour_mask_[2], colour_mask_[3]);
+  for (GLuint i = 0; i < kTargets; ++i) {
+    const auto& mask = colour_masks_[i];
+    glColorMaski(i, mask[0], mask[1], mask[2], mask[3]);
+  }
+  if (blends_) glEnablei(GL_BLEND, 0);
+  if (has_scissor_) glEnablei(GL_SCISSOR_TEST, 0);
   glPolygonMode(GL_FRONT_AND_BACK, static_cast<GLenum>(polygon_mode_[0]));
   glUseProgram(static_cast<GLuint>(program_));
   glBindProgramPipeline(static_cast<GLuint>(pipeline_));

@@ -38,6 +38,7 @@ class HostState {
     GLint64 size;
   };
   static constexpr GLuint kUnits = 5;
+  static constexpr GLuint kTargets = 8;  ///< that every context has at least
 
   std::vector<Switch> switches_;
   std::vector<StoreValue> stores_;
@@ -51,7 +52,9 @@ class HostState {
   GLint clip_depth_ = 0;
   GLint depth_function_ = 0;
   GLboolean depth_mask_ = 0;
-  std::array<GLboolean, 4> colour_mask_{};
+  std::array<std::array<GLboolean, 4>, kTargets> colour_masks_{};
+  GLboolean blends_ = 0;
+  GLboolean has_scissor_ = 0;
   std::array<GLint, 2> polygon_mode_{};
   GLint program_ = 0;
   GLint pipeline_ = 0;

@@ -19,11 +19,13 @@ struct Command {
 };
 static_assert(sizeof(Command) == 20);
 
+constexpr std::uint64_t kFirstBytes = 1 << 20;
+
 }  // namespace
 
 void GrowingBuffer::reserve(std::uint64_t bytes) {
   if (bytes <= bytes_) return;
-  const std::uint64_t larger_bytes = std::max<std::uint64_t>(bytes + bytes / 2, 1 << 16);
+  const std::uint64_t larger_bytes = std::max<std::uint64_t>(2 * bytes, kFirstBytes);
   Buffer larger = make_buffer();
   glNamedBufferStorage(larger.name(), static_cast<GLsizeiptr>(larger_bytes), nullptr, GL_DYNAMIC_STORAGE_BIT);
   if (bytes_ > 0) {
@@ -46,14 +48,12 @@ void PatchBatch::take(const SurfaceMesh& mesh) {
   vertices_.reserve(std::uint64_t{mesh.vertex_end} * sizeof(SurfaceVertex));
   indices_.reserve(std::uint64_t{mesh.index_end} * sizeof(std::uint16_t));
   for (const SurfaceUpload& upload : mesh.uploads) {
-    glNamedBufferSubData(vertices_.name(),
-                         static_cast<GLintptr>(std::uint64_t{upload.first_vertex} * sizeof(SurfaceVertex)),
-                         static_cast<GLsizeiptr>(upload.vertices.size() * sizeof(SurfaceVertex)),
-                         upload.vertices.data());
-    glNamedBufferSubData(indices_.name(),
-                         static_cast<GLintptr>(std::uint64_t{upload.first_index} * sizeof(std::uint16_t)),
-                         static_cast<GLsizeiptr>(upload.indices.size() * sizeof(std::uint16_t)),
-                         upload.indices.data());
+    glNamedBufferSubData(
+        vertices_.name(), static_cast<GLintptr>(std::uint64_t{upload.first_vertex} * sizeof(SurfaceVertex)),
+        static_cast<GLsizeiptr>(upload.vertices.size() * sizeof(SurfaceVertex)), upload.vertices.data());
+    glNamedBufferSubData(
+        indices_.name(), static_cast<GLintptr>(std::uint64_t{upload.first_index} * sizeof(std::uint16_t)),
+        static_cast<GLsizeiptr>(upload.indices.size() * sizeof(std::uint16_t)), upload.indices.data());
   }
 }
 
@@ -87,8 +87,8 @@ void PatchBatch::draw(const SurfaceMesh& mesh, bool calls) {
   glVertexArrayElementBuffer(vao, indices_.name());
   glBindVertexArray(vao);
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
-  glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, nullptr,
-                              static_cast<GLsizei>(commands.size()), 0);
+  glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, nullptr, static_cast<GLsizei>(commands.size()),
+                              0);
 }
 
 }  // namespace cairn::gl

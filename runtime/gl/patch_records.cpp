@@ -24,8 +24,7 @@ void show_heights(const RenderTile& tile, const TileId& area, const ResidentTile
   record.height_scale = static_cast<float>(window.scale);
 }
 
-void show_imagery(const RenderTile& tile, const TileId& area, ResidentTiles& resident,
-                  PatchRecord& record) {
+void show_imagery(const RenderTile& tile, const TileId& area, ResidentTiles& resident, PatchRecord& record) {
   if (!tile.visible) return;  // there for its walls: not worth an upload
   const auto place = resident.imagery_of(tile);
   if (!place) return;

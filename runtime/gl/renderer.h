@@ -11,9 +11,9 @@
 
 namespace cairn::gl {
 
-/// Draws surfaces with OpenGL 4.5; the only part of cairn that knows it. Everything is called with one context
-/// current, from its thread. What of the host's state it depends on or changes is kept and given back.
-/// docs/viewer.md says how it draws.
+/// Draws surfaces with OpenGL 4.5; the only part of cairn that knows it. Everything is called with one
+/// context current, from its thread. What of the host's state it depends on or changes is kept and given
+/// back. docs/viewer.md says how it draws.
 class Renderer {
  public:
   /// failed where the context is older than 4.5 or a shader is refused. The pack has `expected_tiles` at most

@@ -27,7 +27,8 @@ void ResidentTiles::begin_frame(const SurfaceFrame& frame) {
   for (const TileKey& key : frame.released) release(key);
   for (const SurfaceTextures& fresh : frame.fresh) {
     const std::uint32_t layer = heights_.add(fresh.id, fresh);
-    resident_.insert_or_assign(fresh.id, ResidentHeights{fresh.id, layer, fresh.heights.base, fresh.heights.shift});
+    resident_.insert_or_assign(fresh.id,
+                               ResidentHeights{fresh.id, layer, fresh.heights.base, fresh.heights.shift});
     ++uploaded_;
   }
 }

@@ -8,10 +8,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "cairn/status.h"
-#include "runtime/gl/tile_textures.h"
 #include "cairn/render_list.h"
+#include "cairn/status.h"
 #include "cairn/surface.h"
+#include "runtime/gl/tile_textures.h"
 
 namespace cairn::gl {
 

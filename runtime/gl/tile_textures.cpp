@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <string_view>
 
-#include "runtime/surface/normal_map.h"
+#include "runtime/gl/software_driver.h"
 
 namespace cairn::gl {
 namespace {
@@ -23,14 +22,9 @@ void filter_linear(GLuint texture) {
   glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
 }
 
-/// Mesa's software driver (22.3) reads wrong texels for single pixels when it filters anisotropically.
-bool draws_in_software() {
-  const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  return name && std::string_view(name).find("llvmpipe") != std::string_view::npos;
-}
-
 void filter_imagery(GLuint texture) {
   filter_linear(texture);
+  // Mesa's software driver (22.3) reads wrong texels for single pixels when it filters anisotropically.
   if (draws_in_software()) return;
   if (epoxy_has_gl_extension("GL_ARB_texture_filter_anisotropic") ||
       epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic")) {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "cairn/surface.h"
 #include "cairn/texture_tile.h"
 #include "runtime/gl/layer_array.h"
 #include "runtime/gl/slot_pool.h"
-#include "cairn/surface.h"
 
 namespace cairn::gl {
 

@@ -46,8 +46,9 @@ class Edges {
         is_walled |= edges_[end].tile == kWalls;
       }
       // Where walls meet at an upright edge, or both rims have one, there may be twice two.
-      const bool joined =
-          is_walled ? (end - i) % 2 == 0 || is_at_pole(edge(edges_[i])) : end - i == 2 && backward == 1;
+      const bool joined = is_walled ? (end - i) % 2 == 0 || is_at_pole(edge(edges_[i])) ||
+                                          ends_at_border(edge(edges_[i]), is_outer)
+                                    : end - i == 2 && backward == 1;
       cracks += !joined && !(end - i == 1 && is_outer(edge(edges_[i])));
       i = end;
     }
@@ -59,6 +60,12 @@ class Edges {
 
   const LodTileMesh& tile_of(const NumberedEdge& e) const {
     return e.tile == kWalls ? mesh_.walls : mesh_.tiles[e.tile];
+  }
+
+  /// Where a wall ends at the border of the map there is no other to share its upright edge.
+  template <class IsOuter>
+  static bool ends_at_border(const Edge& edge, IsOuter is_outer) {
+    return edge.from == edge.to && is_outer(edge);
   }
 
   /// A pole is one place on all meridians.
@@ -106,6 +113,10 @@ class Covered {
   bool is_outer(const Edge& edge) const {
     const std::int64_t dx = edge.to.x - edge.from.x, dy = edge.to.y - edge.from.y;
     if (dx != 0 && dy != 0) return false;
+    if (dx == 0 && dy == 0) {
+      const std::int64_t x = 2 * edge.from.x, y = 2 * edge.from.y;
+      return !has(x - 1, y - 1) || !has(x + 1, y - 1) || !has(x - 1, y + 1) || !has(x + 1, y + 1);
+    }
     const auto sign = [](std::int64_t v) { return (v > 0) - (v < 0); };
     // Doubled coordinates, so that the point beside the edge is never on a border.
     return !has(edge.from.x + edge.to.x + sign(dy), edge.from.y + edge.to.y - sign(dx));

@@ -36,13 +36,13 @@
 #include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/prepared_tiles.h"
-#include "runtime/view/screen_error_budget.h"
 #include "runtime/lod/mesh/square_errors.h"
 #include "runtime/lod/mesh/subtriangle_error_ranges.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/lod/mesh/triangle_error.h"
 #include "runtime/lod/mesh/vertex_decimation.h"
+#include "runtime/view/screen_error_budget.h"
 
 namespace cairn {
 namespace {

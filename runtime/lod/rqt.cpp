@@ -23,16 +23,16 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "cairn/geodesy.h"
 #include "format/rqt_block.h"
 #include "format/rqt_triangulate.h"
 #include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/patches.h"
-#include "runtime/view/screen_error_budget.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
 #include "runtime/surface/vertex_errors.h"
-#include "cairn/geodesy.h"
+#include "runtime/view/screen_error_budget.h"
 #include "runtime/view/view_frustum.h"
 
 namespace cairn {

@@ -24,18 +24,18 @@
 
 #include <glm/geometric.hpp>
 
+#include "cairn/geodesy.h"
 #include "format/rqt_steps.h"
 #include "runtime/lod/lod_method.h"
 #include "runtime/lod/mesh/bisection_forest.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/index_forms.h"
 #include "runtime/lod/mesh/prepared_tiles.h"
-#include "runtime/view/screen_error_budget.h"
 #include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
-#include "runtime/surface/vertex_errors.h"
 #include "runtime/lod/mesh/vertex_numbers.h"
-#include "cairn/geodesy.h"
+#include "runtime/surface/vertex_errors.h"
+#include "runtime/view/screen_error_budget.h"
 
 namespace cairn {
 namespace {

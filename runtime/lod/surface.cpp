@@ -1,7 +1,7 @@
 // Our own: what `cairn view` draws (runtime/surface).
 //
 // When a tile is loaded, every sample gets the number of the tile's nested restricted quadtree triangulations
-// that have it (Pajarola 1998; Intel 2012, "Adaptive Triangulation"), tolerances a fourth root of 2 apart
+// that have it (Pajarola 1998; Intel 2012, "Adaptive Triangulation"), tolerances a third root of 2 apart
 // (VertexSteps). A frame splits tiles into patches of 16 to 64 cells, until one tolerance suits all of a
 // patch (ScreenErrorBudget), and takes of each the coarsest triangulation within it. Patches of one level
 // that touch take the vertices of both along their common side, with what these need (join_sides); between
@@ -68,7 +68,8 @@ class Surface : public LodMethod {
     for (std::size_t i = 0; i < plan.partition.patches.size(); ++i) {
       const SurfacePatch& patch = plan.partition.patches[i];
       const PatchMesh made = build_patch_mesh(patch, plan.joints.sides[i]);
-      if (mesh.tiles.empty() || mesh.tiles.back().tile != patch.from) mesh.tiles.push_back({patch.from, {}, {}});
+      if (mesh.tiles.empty() || mesh.tiles.back().tile != patch.from)
+        mesh.tiles.push_back({patch.from, {}, {}});
       LodTileMesh& out = mesh.tiles.back();
       const auto first = static_cast<std::uint32_t>(out.vertices.size());
       for (const SurfaceVertex& vertex : made.vertices) out.vertices.push_back(lod_vertex(patch, vertex));
@@ -93,8 +94,8 @@ class Surface : public LodMethod {
 }  // namespace
 
 extern const LodMethodInfo surface_lod_method;
-const LodMethodInfo surface_lod_method{
-    "surface", true,
-    [](const LodOptions&) -> std::unique_ptr<LodMethod> { return std::make_unique<Surface>(); }};
+const LodMethodInfo surface_lod_method{"surface", true, [](const LodOptions&) -> std::unique_ptr<LodMethod> {
+                                         return std::make_unique<Surface>();
+                                       }};
 
 }  // namespace cairn

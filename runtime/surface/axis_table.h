@@ -15,8 +15,8 @@ namespace cairn {
 /// prime vertical, and h the height above the ellipsoid (WGS84, metres), geocentric positions are
 ///   x = (N cosφ + h cosφ) cosλ,  y = (N cosφ + h cosφ) sinλ,  z = N(1−e²) sinφ + h sinφ,
 /// so that a vertex is a few products of a column's and a row's entry. Equal longitudes and latitudes give
-/// equal entries in every tile, and ±180° are the same longitude: vertices that tiles share are bit-identical.
-/// (See any geodesy text, e.g. Snyder 1987, §3.)
+/// equal entries in every tile, and ±180° are the same longitude: vertices that tiles share are
+/// bit-identical. (See any geodesy text, e.g. Snyder 1987, §3.)
 using ColumnEntry = glm::dvec2;  ///< cosλ, sinλ
 using RowEntry = glm::dvec4;     ///< N cosφ, cosφ, N(1−e²) sinφ, sinφ
 

@@ -25,7 +25,8 @@ PreparedHeightTile prepare_heights(const TileId& id, std::shared_ptr<const Heigh
                                    double quantum_m) {
   HeightTexels texels = height_texels(*tile);
   std::vector<std::byte> normals = normal_map(id, *tile, quantum_m);
-  return {{id, std::move(texels), std::move(normals)}, prepare_surface_tile(id, std::move(tile), quantum_m, false)};
+  return {{id, std::move(texels), std::move(normals)},
+          prepare_surface_tile(id, std::move(tile), quantum_m, false)};
 }
 
 void PreparedHeights::add(const TileId& id, std::shared_ptr<const HeightTile> tile, double quantum_m) {

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <span>
 
-#include "runtime/surface/bc5.h"
 #include "cairn/geodesy.h"
+#include "runtime/surface/bc5.h"
 
 namespace cairn {
 namespace {

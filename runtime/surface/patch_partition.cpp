@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <glm/trigonometric.hpp>
 
@@ -12,12 +13,13 @@
 namespace cairn {
 namespace {
 
-constexpr double kHighest_m = 9000;       // of walls around what has no heights
-constexpr double kNegligible_m = 0.002;   // of errors, from wherever they are seen
+constexpr double kHighest_m = 9000;        // of walls around what has no heights
+constexpr double kNegligible_m = 0.002;    // of errors, from wherever they are seen
 constexpr double kSagittaShare = 1.0 / 8;  // of what is allowed
-constexpr double kSmall = 1.0 / 8;        // a patch's radius as a share of its depth, where one tolerance suits all of it
+constexpr double kSmall =
+    1.0 / 8;  // a patch's radius as a share of its depth, where one tolerance suits all of it
 
-constexpr int kMostForcedNear = 2;        // log2 of cells that curvature asks for at the nearest place
+constexpr int kMostForcedNear = 2;  // log2 of cells that curvature asks for at the nearest place
 
 bool overhangs(const TileId& id) {
   const LatticePoint corner = south_west_of(id);
@@ -39,17 +41,16 @@ class Splitter {
 
   void add(const TileId& area) {
     if (overhangs(area)) return split(area);
-    const SquareSphere sphere = surface_.tile ? surface_.tile->spheres.around(area) : sphere_around(area, 0, 0);
-    if (cull_ && !budget_.may_be_visible(surface_.tile ? sphere : sphere_around(area, 0, kHighest_m))) return;
     SurfacePatch patch{area, from_, surface_};
     const int samples_log2 = patch.sample_cells_log2();
+    const SquareSphere sphere = sphere_of(patch, samples_log2);
+    if (cull_ && !budget_.may_be_visible(surface_.tile ? sphere : sphere_around(area, 0, kHighest_m))) return;
     if (samples_log2 > kPatchCellsLog2) return split(area);
     const ScreenErrorBudget::ProjectedScale scale = budget_.scale_of(sphere);
     const bool is_near = scale.depth_m <= 0 || sphere.radius_m > kSmall * scale.depth_m;
     if (is_near && samples_log2 > SquareSpheres::kLeastCellsLog2) return split(area);
     const ScreenErrorBudget::Headroom headroom = budget_.headroom_of(scale);
-    const double allowed_m =
-        std::max(ScreenErrorBudget::error_m(headroom, area_.error_m, 0), kNegligible_m);
+    const double allowed_m = std::max(ScreenErrorBudget::error_m(headroom, area_.error_m, 0), kNegligible_m);
     const double per_sagitta = std::max(1.0, headroom.per_sagitta), flat_m = sagitta_m(area);
     patch.forced_log2 = forced_log2(flat_m, allowed_m * kSagittaShare / per_sagitta);
     const int most_forced = is_near ? kMostForcedNear : kPatchCellsLog2;
@@ -69,6 +70,27 @@ class Splitter {
   }
 
  private:
+  /// Around the patch's ground. The tile has spheres of larger squares only.
+  static SquareSphere sphere_of(const SurfacePatch& patch, int samples_log2) {
+    if (!patch.surface.tile) return sphere_around(patch.area, 0, 0);
+    const SurfaceTile& tile = *patch.surface.tile;
+    if (samples_log2 >= SquareSpheres::kLeastCellsLog2) return tile.spheres.around(patch.area);
+    // Within a cell no place is higher than the highest corner.
+    const int cells = samples_log2 > 0 ? 1 << samples_log2 : 1;
+    const LatticePoint corner = south_west_of(patch.area);
+    const std::int64_t step = lattice_width(patch.area.level) / cells;
+    float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+    for (int j = 0; j <= cells; ++j) {
+      for (int i = 0; i <= cells; ++i) {
+        const ShownHeight shown = shown_height_at(patch.surface, {corner.x + i * step, corner.y + j * step});
+        const float coarser = shown.finer_m + shown.to_coarser_m;
+        low = std::min({low, shown.finer_m, coarser});
+        high = std::max({high, shown.finer_m, coarser});
+      }
+    }
+    return sphere_around(patch.area, static_cast<double>(low), static_cast<double>(high));
+  }
+
   /// How far the Earth is from a flat square over the area, at most.
   static double sagitta_m(const TileId& area) {
     return sagitta_of_cell_m(glm::radians(tile_width_degrees(area.level)), kHighest_m);

@@ -37,19 +37,25 @@ class WallBuilder {
     for (const SharedSegment& s : joints_.walled) {
       for (const std::int64_t along : {s.first, s.last}) {
         auto& there = ends_[end_of(s, along)];
-        for (const auto& [patch, side] : {std::pair(s.finer, s.finer_side), std::pair(s.coarser, s.coarser_side())})
-          note(vertex_at(patch, side, along), there);
+        for (const auto& [patch, side] :
+             {std::pair(s.finer, s.finer_side), std::pair(s.coarser, s.coarser_side())})
+          note(vertex_at(patch, side, along), leaves_voids_open(s), there);
       }
     }
     for (const SharedSegment& s : joints_.walled) append(s);
   }
 
  private:
-  static void note(const RimVertex& vertex, std::vector<RimVertex>& there) {
-    if (vertex.is_void) return;
-    const auto at = std::lower_bound(
-        there.begin(), there.end(), vertex,
-        [](const RimVertex& a, const RimVertex& b) { return a.heights() < b.heights(); });
+  /// Whether no wall stands at a void: where a source ends there. Between two tiles the fragments mask it.
+  bool leaves_voids_open(const SharedSegment& s) const {
+    return !patches_[s.finer].surface.tile || !patches_[s.coarser].surface.tile;
+  }
+
+  static void note(const RimVertex& vertex, bool leaves_voids_open, std::vector<RimVertex>& there) {
+    if (leaves_voids_open && vertex.is_void) return;
+    const auto at =
+        std::lower_bound(there.begin(), there.end(), vertex,
+                         [](const RimVertex& a, const RimVertex& b) { return a.heights() < b.heights(); });
     if (at == there.end() || at->heights() != vertex.heights()) there.insert(at, vertex);
   }
 
@@ -122,10 +128,11 @@ class WallBuilder {
     const auto first_of_b = static_cast<std::uint32_t>(first_of_a + a.size());
     for (const RimVertex& vertex : a) walls_.vertices.push_back(shown_as(vertex, shown, side));
     for (const RimVertex& vertex : around) walls_.vertices.push_back(shown_as(vertex, shown, side));
+    const bool open_voids = leaves_voids_open(s);
     const auto add = [&](std::size_t i, std::size_t j, bool of_a) {
       const RimVertex& third = of_a ? a[i + 1] : around[j + 1];
       if (is_same(a[i], around[j]) || is_same(a[i], third) || is_same(around[j], third)) return;
-      if (a[i].is_void || around[j].is_void || third.is_void) return;
+      if (open_voids && (a[i].is_void || around[j].is_void || third.is_void)) return;
       const std::size_t last = of_a ? first_of_a + i + 1 : first_of_b + j + 1;
       walls_.indices.insert(walls_.indices.end(),
                             {static_cast<std::uint32_t>(first_of_a + i),
@@ -145,7 +152,8 @@ class WallBuilder {
     const std::int64_t part = (vertex.along - begin_of(patch.area, side)) * kSurfaceSide / width;
     SurfaceWallVertex out = vertex.vertex;
     out.shown_as = static_cast<std::uint32_t>(index);
-    const auto across = static_cast<std::uint16_t>(side == Side::east || side == Side::north ? kSurfaceSide : 0);
+    const auto across =
+        static_cast<std::uint16_t>(side == Side::east || side == Side::north ? kSurfaceSide : 0);
     out.vertex.east = is_vertical(side) ? across : static_cast<std::uint16_t>(part);
     out.vertex.north = is_vertical(side) ? static_cast<std::uint16_t>(part) : across;
     return out;

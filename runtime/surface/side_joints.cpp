@@ -78,7 +78,8 @@ std::uint64_t own_vertices(const SurfacePatch& patch, Side side) {
   if (!patch.surface.tile || samples_log2 <= 0) return bits;
   const TileId& tile = patch.surface.tile->id;
   const int samples = 1 << samples_log2, deeper = patch.area.level - tile.level;
-  int column = (patch.area.x - (tile.x << deeper)) * samples, row = (patch.area.y - (tile.y << deeper)) * samples;
+  int column = (patch.area.x - (tile.x << deeper)) * samples,
+      row = (patch.area.y - (tile.y << deeper)) * samples;
   if (side == Side::north) row += samples;
   if (side == Side::east) column += samples;
   const VertexSteps& steps = patch.surface.tile->steps;
@@ -94,10 +95,16 @@ std::int64_t spacing_of(const SurfacePatch& patch) {
   return lattice_width(patch.area.level + patch.cells_log2);
 }
 
+/// Tiles agree along an edge, but not about what fills their voids.
+bool agree_at_edges(const SurfaceTile& a, const SurfaceTile& b) {
+  return &a == &b || (a.id.level == b.id.level && a.heights->voids.empty() && b.heights->voids.empty());
+}
+
 bool show_one_surface(const SurfacePatch& a, const SurfacePatch& b) {
-  if (spacing_of(a) != spacing_of(b) || (a.surface.tile == nullptr) != (b.surface.tile == nullptr)) return false;
+  if (spacing_of(a) != spacing_of(b) || (a.surface.tile == nullptr) != (b.surface.tile == nullptr))
+    return false;
   return !a.surface.tile ||
-         (a.surface.tile->id.level == b.surface.tile->id.level && a.surface.detail == b.surface.detail);
+         (agree_at_edges(*a.surface.tile, *b.surface.tile) && a.surface.detail == b.surface.detail);
 }
 
 /// Where two patches have the same vertices.

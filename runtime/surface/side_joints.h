@@ -17,8 +17,8 @@ struct SideJoints {
 /// what these need elsewhere, so that each stays a triangulation of its hierarchy and keeps its tolerance.
 ///
 /// Two patches show one surface where their tiles are of one level, shown with equal detail, and their
-/// lattices have one spacing; tiles of a level have equal samples along their common edge. Elsewhere both
-/// rims have a vertex where the segment ends. May make a patch's lattice finer for that.
+/// lattices have one spacing; tiles of a level have equal samples along their common edge, but for voids.
+/// Elsewhere both rims have a vertex where the segment ends. May make a patch's lattice finer for that.
 SideJoints join_sides(PatchPartition& partition);
 
 }  // namespace cairn

@@ -30,7 +30,8 @@ struct Surface::State {
   SurfaceFrame frame;
 
   const SurfaceTile* tile_of(const RenderTile& tile);
-  void release(const std::vector<TileKey>& newly_evicted);
+  void note_evicted(const std::vector<TileKey>& keys);
+  void release_unused();
 };
 
 const SurfaceTile* Surface::State::tile_of(const RenderTile& tile) {
@@ -42,11 +43,14 @@ const SurfaceTile* Surface::State::tile_of(const RenderTile& tile) {
   return &tiles.emplace(tile.heights_id, std::move(made.surface)).first->second;
 }
 
-void Surface::State::release(const std::vector<TileKey>& newly_evicted) {
-  for (const TileKey& key : newly_evicted) {
+void Surface::State::note_evicted(const std::vector<TileKey>& keys) {
+  for (const TileKey& key : keys) {
     if (key.layer == Layer::heights) prepared->forget(key.id);
   }
-  evicted.insert(evicted.end(), newly_evicted.begin(), newly_evicted.end());
+  evicted.insert(evicted.end(), keys.begin(), keys.end());
+}
+
+void Surface::State::release_unused() {
   if (evicted.empty()) return;
   std::unordered_set<TileKey> used;
   for (const ShownTile& each : shown.tiles()) {
@@ -89,7 +93,8 @@ const SurfaceFrame& Surface::frame(const RenderList& list, const SurfaceView& vi
   FrameScale scale{camera_frame(view.view).position, 1 / pixel_footprint_m(view.view, 1), view.tolerance_px};
   if (view.frame_s > 0) scale.longest_fade = std::max(1.0, kLongestFade_s / view.frame_s);
   s.shown.update(list, scale, [&s](const RenderTile& tile) { return s.tile_of(tile); });
-  s.release(list.evicted);
+  s.note_evicted(list.evicted);
+  s.release_unused();
   // 2. Their areas.
   std::vector<SurfaceArea> areas;
   for (const ShownTile& each : s.shown.tiles()) {
@@ -102,6 +107,10 @@ const SurfaceFrame& Surface::frame(const RenderList& list, const SurfaceView& vi
   // 3. Patches, and the triangles of those that are new.
   s.frame.mesh = s.mesher.frame(areas, {view.view, view.tolerance_px, std::min(list.lowest_m, 0.0), true});
   return s.frame;
+}
+
+void Surface::skip(const RenderList& list) {
+  state_->note_evicted(list.evicted);
 }
 
 void Surface::cut() {

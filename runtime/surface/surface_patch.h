@@ -35,7 +35,8 @@ struct SurfacePatch {
   int cells() const { return 1 << cells_log2; }
   /// log2 of the tile's own cells along a side; negative where the patch is a part of a cell.
   int sample_cells_log2() const {
-    return surface.tile ? surface.tile->id.level + cells_log2_of(surface.tile->heights->size) - area.level : 0;
+    return surface.tile ? surface.tile->id.level + cells_log2_of(surface.tile->heights->size) - area.level
+                        : 0;
   }
 };
 

@@ -31,7 +31,7 @@ class SurfaceMesher {
   SurfaceMesh frame(std::span<const SurfaceArea> areas, const SurfaceRules& rules);
 
  private:
-  static constexpr std::uint64_t kKeptFrames = 90;
+  static constexpr std::uint64_t kKeptFrames = 8;
 
   /// What a patch's triangles depend on.
   struct Key {

@@ -1,6 +1,7 @@
 #include "runtime/surface/surface_tile.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -33,7 +34,8 @@ double deviation_of_step(const HeightTile& tile, int step) {
         compare(c, r, odd_column ? step : 0, odd_row ? step : 0);
       }
       // Which way the diagonal of the tile itself runs depends on the tile's place.
-      if (is_centre && (2 * step == cells || !diagonal_rises(true, tile.size, c - step, r - step, 2 * step))) {
+      if (is_centre &&
+          (2 * step == cells || !diagonal_rises(true, tile.size, c - step, r - step, 2 * step))) {
         compare(c, r, step, -step);
       }
     }
@@ -44,8 +46,8 @@ double deviation_of_step(const HeightTile& tile, int step) {
 }  // namespace
 
 int cells_log2_of(int tile_size) {
-  assert(tile_size == 513 || tile_size == 257);
-  return tile_size == 513 ? 9 : 8;
+  assert(std::has_single_bit(static_cast<unsigned>(tile_size - 1)));
+  return std::countr_zero(static_cast<unsigned>(tile_size - 1));
 }
 
 DecimationErrors decimation_errors(const HeightTile& tile, double quantum_m) {
@@ -107,8 +109,8 @@ SquareSpheres::SquareSpheres(const HeightTile& tile, const TileId& id, double qu
 }
 
 const SquareSphere& SquareSpheres::around(const TileId& area) const {
-  const int deeper = std::min(area.level - id_.level, levels_), up = area.level - id_.level - deeper;
-  const std::int32_t x = (area.x >> up) - (id_.x << deeper), y = (area.y >> up) - (id_.y << deeper);
+  const int deeper = area.level - id_.level;
+  const std::int32_t x = area.x - (id_.x << deeper), y = area.y - (id_.y << deeper);
   return spheres_[first_[static_cast<std::size_t>(deeper)] + (static_cast<std::size_t>(y) << deeper) +
                   static_cast<std::size_t>(x)];
 }
@@ -128,7 +130,8 @@ SurfaceTile prepare_surface_tile(const TileId& id, std::shared_ptr<const HeightT
 }
 
 std::uint64_t SurfaceTile::bytes() const {
-  return steps.bytes() + spheres.bytes() + columns.size() * sizeof(ColumnEntry) + rows.size() * sizeof(RowEntry);
+  return steps.bytes() + spheres.bytes() + columns.size() * sizeof(ColumnEntry) +
+         rows.size() * sizeof(RowEntry);
 }
 
 namespace {

@@ -37,7 +37,7 @@ class SquareSpheres {
   SquareSpheres() = default;
   SquareSpheres(const HeightTile& tile, const TileId& id, double quantum_m);
 
-  /// Of the area, or of the smallest square around it that has one. REQUIRES: the tile covers the area.
+  /// REQUIRES: the tile covers the area, which is no smaller than the least square.
   const SquareSphere& around(const TileId& area) const;
 
   std::uint64_t bytes() const { return spheres_.size() * sizeof(SquareSphere); }

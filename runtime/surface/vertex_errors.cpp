@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "cairn/geodesy.h"
 #include "format/bisection_errors.h"
 #include "format/rqt_steps.h"
-#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {

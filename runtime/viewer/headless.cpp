@@ -10,8 +10,8 @@
 #include "runtime/flight/camera_text.h"
 #include "runtime/flight/flight.h"
 #include "runtime/gl/headless_context.h"
-#include "runtime/view/cpu_clock.h"
 #include "runtime/paging/frame_stats.h"
+#include "runtime/view/cpu_clock.h"
 #include "runtime/viewer/png_file.h"
 #include "runtime/viewer/scene.h"
 #include "runtime/viewer/video_pipe.h"
@@ -78,7 +78,7 @@ class FlightRun {
     if (!options_.stats.empty()) {
       stats_.open(options_.stats, std::ios::trunc);
       stats_ << "frame,update_ms,draw_ms,upload_ms,patches,triangles,uploads,gpu_bytes,resident_bytes,"
-                "complete\n";
+                "complete,gpu_ms\n";
     }
     if (options_.video.empty()) return {};
     Result<VideoPipe> pipe =
@@ -105,7 +105,9 @@ class FlightRun {
     if (stats_.is_open()) {
       stats_ << index << ',' << updated - begin << ',' << drawn - updated << ',' << counts.upload_ms << ','
              << counts.patches << ',' << counts.triangles << ',' << counts.uploads << ',' << counts.gpu_bytes
-             << ',' << scene_.terrain().stats().resident_bytes << ',' << scene_.list()->is_complete << '\n';
+             << ',' << scene_.terrain().stats().resident_bytes << ',' << scene_.list()->is_complete << ',';
+      if (counts.gpu_ms) stats_ << *counts.gpu_ms;
+      stats_ << '\n';
     }
     if (!keeps) return {};
     const gl::Picture picture = target_.read();

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "cairn/render_list.h"
 #include "cairn/surface_mesh.h"
 #include "runtime/lod/lod_method.h"
-#include "cairn/render_list.h"
 
 namespace cairn::viewer {
 

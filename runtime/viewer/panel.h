@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "runtime/gl/renderer.h"
-#include "runtime/paging/frame_stats.h"
 #include "cairn/render_list.h"
+#include "runtime/paging/frame_stats.h"
+#include "runtime/viewer/scene.h"
 
 namespace cairn::viewer {
 

@@ -9,8 +9,8 @@
 
 #include "cairn/remote_pack.h"
 #include "runtime/flight/camera_text.h"
-#include "runtime/surface/drawn_ground.h"
 #include "runtime/gl/view_transform.h"
+#include "runtime/surface/drawn_ground.h"
 #include "runtime/view/cpu_clock.h"
 #include "runtime/viewer/method_mesh.h"
 #include "runtime/viewer/method_scene.h"
@@ -65,8 +65,7 @@ Result<Scene> Scene::open(const Options& options) {
   if (!renderer) return renderer.error();
   TerrainOptions terrain_options;
   terrain_options.cache_bytes = options.cache_mib << 20;
-  Result<Terrain> terrain =
-      Terrain::open(pack, terrain_options, surface.preparing(read_from(pack)));
+  Result<Terrain> terrain = Terrain::open(pack, terrain_options, surface.preparing(read_from(pack)));
   if (!terrain) return terrain.error();
   Scene scene(std::move(pack), std::move(surface), std::move(*terrain), std::move(*renderer));
   scene.errors_ = missing_layers(options.pack.string(), *scene.pack_);
@@ -116,14 +115,14 @@ FrameCounts Scene::draw_list(const ViewState& view, const FrameLook& look, unsig
   return counts;
 }
 
-FrameCounts Scene::draw(const ViewState& view, double dt_s, const FrameLook& look,
-                            unsigned framebuffer) {
+FrameCounts Scene::draw(const ViewState& view, double dt_s, const FrameLook& look, unsigned framebuffer) {
   update(view, dt_s);
   return draw_list(view, look, framebuffer);
 }
 
 void Scene::load_all(const ViewState& view) {
   for (update(view, 0); !list_->is_settled; update(view, 0)) {
+    surface_.skip(*list_);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }

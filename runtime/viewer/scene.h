@@ -6,10 +6,10 @@
 
 #include "cairn/pack_reader.h"
 #include "cairn/status.h"
+#include "cairn/surface.h"
 #include "cairn/terrain.h"
 #include "runtime/flight/camera_text.h"
 #include "runtime/gl/frame_target.h"
-#include "cairn/surface.h"
 #include "runtime/gl/renderer.h"
 #include "runtime/lod/lod_method.h"
 #include "runtime/viewer/options.h"
@@ -18,7 +18,7 @@ namespace cairn::viewer {
 
 /// How a frame looks and is made.
 struct FrameLook : GlLook {
-  std::optional<glm::vec3> hole_colour;  ///< linear RGB: drawn where no terrain is, instead of the sky
+  std::optional<glm::vec3> hole_colour;   ///< linear RGB: drawn where no terrain is, instead of the sky
   double frame_s = 1.0 / 60;              ///< since the last frame: the exchange of levels follows the clock
   double tolerance_px = 1;                ///< screen error that the mesh may add to the tiles' own; > 0
   const LodMethodInfo* method = nullptr;  ///< draws a method's mesh instead of the surface: on one thread,

@@ -1,17 +1,9 @@
-// Draws a pack with a renderer of its own, made of cairn::surface and 20 lines of shader, and compares its depth
-// with that of cairn::gl.
+// Draws a pack with a renderer of its own over cairn::surface, and compares its depth with that of cairn::gl.
 #include <cairn/gl_terrain.h>
 #include <cairn/surface.h>
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
-
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <cstdio>
 #include <glm/gtc/type_ptr.hpp>
-#include <string>
-#include <thread>
 
 constexpr int kWidth = 640, kHeight = 360;
 
@@ -77,13 +69,12 @@ void draw(const cairn::SurfaceMesh& mesh) {
                              GLint(each.first_vertex));
   }
   // A single frame glides nowhere: the walls' shares are all 0.
-  const cairn::SurfaceWalls& walls = mesh.walls;
-  if (walls.indices.empty()) return;
-  const GLuint rims = buffer(walls.vertices.size() * sizeof walls.vertices[0], walls.vertices.data());
-  const GLuint triangles = buffer(walls.indices.size() * sizeof walls.indices[0], walls.indices.data());
-  glBindVertexArray(vertex_array(rims, triangles, sizeof(cairn::SurfaceWallVertex)));
+  const auto& [rims, triangles] = mesh.walls;
+  glBindVertexArray(vertex_array(buffer(rims.size() * sizeof rims[0], rims.data()),
+                                 buffer(triangles.size() * sizeof triangles[0], triangles.data()),
+                                 sizeof(cairn::SurfaceWallVertex)));
   glUniform1f(3, 0);
-  glDrawElements(GL_TRIANGLES, GLsizei(walls.indices.size()), GL_UNSIGNED_INT, nullptr);
+  glDrawElements(GL_TRIANGLES, GLsizei(triangles.size()), GL_UNSIGNED_INT, nullptr);
 }
 
 int main(int argc, char** argv) {
@@ -104,7 +95,8 @@ int main(int argc, char** argv) {
     glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &farthest);
     picture();
     std::vector<float> depth(kWidth * kHeight);
-    glGetTextureImage(texture, 0, GL_DEPTH_COMPONENT, GL_FLOAT, GLsizei(depth.size() * sizeof(float)), depth.data());
+    glGetTextureImage(texture, 0, GL_DEPTH_COMPONENT, GL_FLOAT, GLsizei(depth.size() * sizeof(float)),
+                      depth.data());
     return depth;
   };
 

@@ -70,7 +70,8 @@ std::optional<double> DrawnMesh::height_m(LonLat place) const {
       south = std::min<double>(south, v.north);
       last_north = std::max<double>(last_north, v.north);
     }
-    if (east < west - aside || east > last_east + aside || north < south - aside || north > last_north + aside)
+    if (east < west - aside || east > last_east + aside || north < south - aside ||
+        north > last_north + aside)
       continue;
     for (std::size_t c = 0; c < 3; ++c)
       corners[c] = position_of(mesh.vertices[mesh.indices[k + c]], patch.surface.coarser_share(), up);

@@ -68,10 +68,12 @@ double ridges_m(LonLat place) {
   const auto c = static_cast<std::int64_t>(std::floor(column)),
              r = static_cast<std::int64_t>(std::floor(row));
   const double u = column - static_cast<double>(c), v = row - static_cast<double>(r);
-  const double sw = ridges(c, r), ne = ridges(c + 1, r + 1);
-  const double other = u >= v ? ridges(c + 1, r) : ridges(c, r + 1);
+  const double sw = ridges(c, r), se = ridges(c + 1, r), nw = ridges(c, r + 1), ne = ridges(c + 1, r + 1);
+  const bool rises = ((c ^ r) & 1) == 0;
   const double quanta =
-      u >= v ? sw + (other - sw) * u + (ne - other) * v : sw + (ne - other) * u + (other - sw) * v;
+      rises        ? (u >= v ? sw + (se - sw) * u + (ne - se) * v : sw + (ne - nw) * u + (nw - sw) * v)
+      : u + v <= 1 ? sw + (se - sw) * u + (nw - sw) * v
+                   : ne + (nw - ne) * (1 - u) + (se - ne) * (1 - v);
   return quanta * 0.25;
 }
 

@@ -18,7 +18,7 @@ namespace cairn::test {
 inline constexpr int kRidgesFinest = 4;
 std::int32_t ridges(std::int64_t column, std::int64_t row);
 
-/// The height of the ridges' triangles, whose diagonals run from south-west to north-east.
+/// The height of the ridges' triangles between the samples, see height_at() of a SurfaceTile.
 double ridges_m(LonLat place);
 
 /// Where packs of ridges have their finest tiles: plain land, the antimeridian, both poles, the origin.

@@ -6,9 +6,9 @@
 
 #include <glm/vec3.hpp>
 
+#include "cairn/view_state.h"
 #include "runtime/gl/frame_target.h"
 #include "runtime/gl/headless_context.h"
-#include "cairn/view_state.h"
 #include "runtime/gl/view_transform.h"
 #include "runtime/viewer/scene.h"
 

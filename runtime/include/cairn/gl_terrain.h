@@ -23,15 +23,15 @@ struct GlLook {
   glm::dvec3 to_sun{0, 0, 1};  ///< geocentric, unit length
   bool sky = true;             ///< drawn where the depth is still the farthest; with a perspective only
   bool fog = true;
-  bool depth_only = false;     ///< no colour is written, and no sky
+  bool depth_only = false;  ///< no colour is written, and no sky
   bool wireframe = false;
   bool level_colours = false;  ///< a colour for each level of the tiles instead of imagery or tint
 };
 
 /// Where a picture goes, without a clear: what nearer things have drawn there hides the ground.
 struct GlTarget {
-  unsigned framebuffer = 0;    ///< the name; one with several samples a pixel too
-  int x = 0;                   ///< of the viewport's lower left corner, pixels
+  unsigned framebuffer = 0;  ///< the name; one with several samples a pixel too
+  int x = 0;                 ///< of the viewport's lower left corner, pixels
   int y = 0;
   int width_px = 0;
   int height_px = 0;
@@ -43,8 +43,8 @@ struct GlTarget {
 struct GlCounts {
   std::size_t patches = 0;
   std::size_t triangles = 0;
-  std::uint64_t gpu_bytes = 0;     ///< of textures and buffers
-  std::optional<double> gpu_ms;    ///< of an earlier picture, the last that the GPU has finished; by its clock
+  std::uint64_t gpu_bytes = 0;   ///< of textures and buffers
+  std::optional<double> gpu_ms;  ///< of an earlier picture, the last that the GPU has finished; by its clock
 };
 
 /// From metres relative to the eye, along the Earth's axes, to clip space; depth is 5 cm / distance: 1 at the

@@ -1,6 +1,7 @@
 #pragma once
 
-// START HERE to draw with a renderer of your own: what a Terrain lists becomes vertices, triangles and texels.
+// START HERE to draw with a renderer of your own: what a Terrain lists becomes vertices, triangles and
+// texels.
 
 #include <cstddef>
 #include <cstdint>
@@ -55,7 +56,7 @@ struct SurfaceFrame {
   /// What SurfaceDraw::tile numbers. Those of a frame that glide are of older lists, kept alive here.
   std::vector<const RenderTile*> tiles;
   std::vector<SurfaceTextures> fresh;  ///< of tiles that no frame since their release has shown
-  std::vector<TileKey> released;      ///< tiles that are shown no more and no longer in memory
+  std::vector<TileKey> released;       ///< tiles that are shown no more and no longer in memory
 };
 
 /// The surface of one pack for one eye: closed over tiles of any levels, missing tiles, the poles and ±180°,
@@ -63,9 +64,9 @@ struct SurfaceFrame {
 ///
 /// Threads: a Surface belongs to one thread, that of Terrain::update(). What preparing() returns is called
 /// on the workers, at the same time; it does there what takes long, some 20 ms a tile.
-/// Lifetimes: a Surface may be destroyed before the Terrain. A draw's ranges stay where they are while a frame
-/// shows it, and for 90 frames after; then another draw may have them, which an upload says.
-/// Cost: a frame chooses, and makes the triangles of what is new; docs/viewer.md has the figures.
+/// Lifetimes: a Surface may be destroyed before the Terrain. A draw's ranges stay where they are while a
+/// frame shows it, and for eight frames after; then another draw may have them, which an upload says. Cost: a
+/// frame chooses, and makes the triangles of what is new; docs/viewer.md has the figures.
 class Surface {
  public:
   /// `header`: of the pack.
@@ -80,6 +81,9 @@ class Surface {
 
   /// Call once a frame, with the list of the same eye.
   const SurfaceFrame& frame(const RenderList& list, const SurfaceView& view);
+
+  /// Takes note of what a list that no frame is made of says is no longer in memory.
+  void skip(const RenderList& list);
 
   /// The next frame has nothing to do with the last one: a cut in a film. Nothing glides into it.
   void cut();

@@ -29,9 +29,9 @@ inline constexpr int kSurfaceSide = 1 << 15;
 
 /// One patch to draw: triangles of 16-bit indices, relative to first_vertex, counter-clockwise from above.
 struct SurfaceDraw {
-  TileId area;                ///< of the patch
-  std::uint32_t tile = 0;     ///< whose heights and imagery it shows: a number in the frame's list
-  float coarser_share = 0;    ///< 0…1, see SurfaceVertex
+  TileId area;              ///< of the patch
+  std::uint32_t tile = 0;   ///< whose heights and imagery it shows: a number in the frame's list
+  float coarser_share = 0;  ///< 0…1, see SurfaceVertex
   std::uint32_t first_vertex = 0;
   std::uint32_t first_index = 0;
   std::uint32_t index_count = 0;
@@ -59,8 +59,8 @@ struct SurfaceWalls {
   std::vector<std::uint32_t> indices;
 };
 
-/// The surface of one frame: a host keeps one buffer of vertices and one of indices from frame to frame, makes
-/// room up to the two ends (keeping what is there), copies the uploads in, and draws.
+/// The surface of one frame: a host keeps one buffer of vertices and one of indices from frame to frame,
+/// makes room up to the two ends (keeping what is there), copies the uploads in, and draws.
 struct SurfaceMesh {
   std::vector<SurfaceUpload> uploads;
   std::vector<SurfaceDraw> draws;

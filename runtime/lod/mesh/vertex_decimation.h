@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "runtime/lod/mesh/lod_scene.h"
-#include "runtime/view/screen_error_budget.h"
 #include "runtime/lod/mesh/square_errors.h"
 #include "runtime/lod/mesh/tile_window.h"
+#include "runtime/view/screen_error_budget.h"
 
 namespace cairn {
 

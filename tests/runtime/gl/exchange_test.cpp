@@ -14,9 +14,9 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "runtime/surface/lod_transition.h"
-#include "cairn/terrain.h"
 #include "cairn/geodesy.h"
+#include "cairn/terrain.h"
+#include "runtime/surface/lod_transition.h"
 #include "tests/support/drawn_mesh.h"
 #include "tests/support/gl_packs.h"
 #include "tests/support/stage.h"
@@ -55,10 +55,12 @@ class Frames {
     return at.depth_m > 0 && at.x > 0 && at.y > 0 && at.x < view_.viewport_width_px &&
            at.y < view_.viewport_height_px;
   }
-  /// A height's pixels in the middle of a picture.
+  /// By how many pixels, of the picture's middle, a difference in height moves what is seen of a place.
   double pixels(LonLat place, double height_m, double difference_m) const {
-    const double distance = glm::length(to_geocentric(place, height_m) - camera_frame(view_).position);
-    return std::abs(difference_m) / pixel_footprint_m(view_, distance);
+    const glm::dvec3 ray = to_geocentric(place, height_m) - camera_frame(view_).position;
+    const double distance = glm::length(ray);
+    const double across = glm::length(glm::cross(local_frame(place).up, ray / distance));
+    return std::abs(difference_m) * across / pixel_footprint_m(view_, distance);
   }
   std::size_t moving() const {
     const auto tiles = shown_.tiles();

@@ -5,8 +5,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "runtime/surface/bc5.h"
 #include "cairn/geodesy.h"
+#include "runtime/surface/bc5.h"
 
 namespace cairn {
 namespace {
