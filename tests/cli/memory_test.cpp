@@ -12,7 +12,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/support/dem_files.h"
 #include "tests/support/run_program.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"
@@ -64,41 +63,7 @@ double peak_mib_of(const std::vector<std::string>& arguments) {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-// Hills of a metre's fractions, on posts of 30 m in Web Mercator.
-void write_mercator(const fs::path& path, int side, double west, double north) {
-  test::TiffRecipe recipe;
-  recipe.columns = recipe.rows = side;
-  recipe.type = SampleType::float32;
-  recipe.compression = 8;  // deflate
-  recipe.keys = {{1024, 1}, {1025, 1}, {3072, 3857}};
-  recipe.pixel_scale = {30, 30, 0};
-  recipe.tiepoint = {0, 0, 0, west, north, 0};
-  recipe.sample = [west, north](int, std::int64_t column, std::int64_t row) {
-    const double x = west / 30 + static_cast<double>(column), y = north / 30 - static_cast<double>(row);
-    return 900 + 300 * std::sin(x / 41) * std::cos(y / 37) + 8 * std::sin(x / 3 + y / 4);
-  };
-  test::write_tiff(path, recipe);
-}
-
 }  // namespace
-
-TEST_CASE("a bake of projected sources stays under --memory by the kernel's count") {
-  const test::TempDir dir;
-  const fs::path one = dir.path() / "one.tif", tiles = dir.path() / "tiles";
-  write_mercator(one, 1400, 1'000'000, 6'000'000);
-  fs::create_directory(tiles);
-  for (int t = 0; t < 100; ++t)
-    write_mercator(tiles / (std::to_string(t) + ".tif"), 90, 1'000'000 + 2700 * (t % 10),
-                   6'000'000 - 2700 * (t / 10));
-  for (const fs::path& dem : {one, tiles}) {
-    for (const int threads : {1, 2}) {
-      const double peak = peak_mib_of({"bake", dem.string(), "-o", (dir.path() / "a.cairn").string(),
-                                       "--force", "--threads", std::to_string(threads), "--memory", "96"});
-      INFO(dem << ", " << threads << " threads: " << peak << " MiB");
-      CHECK(peak < 96);
-    }
-  }
-}
 
 TEST_CASE("a bake stays under --memory by the kernel's count") {
   const test::TempDir dir;
