@@ -1,0 +1,29 @@
+#pragma once
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include "cairn/geodesy.h"
+
+namespace cairn {
+
+/// The tangent plane of the ellipsoid at a place: coordinates are metres to the east, to the north and up.
+/// Errors are a few nanometres near the Earth. Immutable, so that any number of threads may use one.
+class EnuFrame {
+ public:
+  explicit EnuFrame(const Geodetic& origin);
+
+  glm::dvec3 to_geocentric(const glm::dvec3& enu) const;
+  glm::dvec3 from_geocentric(const glm::dvec3& geocentric) const;
+  Geodetic to_geodetic(const glm::dvec3& enu) const;
+  glm::dvec3 from_geodetic(const Geodetic& at) const;
+
+  /// Returns the matrix that takes (east, north, up, 1) to geocentric metres; its inverse goes back.
+  glm::dmat4 geocentric_from_enu() const;
+
+ private:
+  glm::dvec3 origin_;
+  LocalFrame axes_;
+};
+
+}  // namespace cairn
