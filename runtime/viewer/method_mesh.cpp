@@ -1,5 +1,6 @@
 #include "runtime/viewer/method_mesh.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include "cairn/geodesy.h"
@@ -24,6 +25,30 @@ SurfaceWallVertex vertex_of(const LodVertex& vertex, std::size_t tile, const Til
           number};
 }
 
+bool has(const TileId& area, const LatticePoint& point) {
+  const LatticePoint corner = south_west_of(area);
+  const std::int64_t width = lattice_width(area.level);
+  return point.x >= corner.x && point.x <= corner.x + width && point.y >= corner.y &&
+         point.y <= corner.y + width;
+}
+
+/// Walls belong to no tile: each triangle has the colours of one whose side it stands on.
+void append_walls(const LodTileMesh& walls, const LodScene& scene, SurfaceWalls& out) {
+  for (const LodTriangle& triangle : walls.triangles) {
+    for (std::size_t i = 0; i < scene.tiles.size(); ++i) {
+      const TileId& area = scene.tiles[i].area;
+      if (!std::all_of(triangle.begin(), triangle.end(),
+                       [&](std::uint32_t corner) { return has(area, walls.vertices[corner].point); }))
+        continue;
+      for (const std::uint32_t corner : triangle) {
+        out.indices.push_back(static_cast<std::uint32_t>(out.vertices.size()));
+        out.vertices.push_back(vertex_of(walls.vertices[corner], i, area));
+      }
+      break;
+    }
+  }
+}
+
 }  // namespace
 
 SurfaceWalls vertices_of(const LodMesh& mesh, const LodScene& scene) {
@@ -36,6 +61,7 @@ SurfaceWalls vertices_of(const LodMesh& mesh, const LodScene& scene) {
       for (const std::uint32_t corner : triangle) out.indices.push_back(first + corner);
     }
   }
+  append_walls(mesh.walls, scene, out);
   return out;
 }
 
