@@ -10,7 +10,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-std::string describe(const Progress& p, double seconds) {
+std::string describe(const Progress& p, ProgressUnit unit, double seconds) {
   const double rate = seconds > 0 ? static_cast<double>(p.done) / seconds : 0;
   const double left = rate > 0 ? static_cast<double>(p.total - p.done) / rate : 0;
   const double percent =
@@ -19,14 +19,15 @@ std::string describe(const Progress& p, double seconds) {
       p.bytes_written > 0
           ? fmt::format("  {:.1f} MiB written", static_cast<double>(p.bytes_written) / 1048576.0)
           : "";
-  return fmt::format("{}: {:5.1f} %  {:.1f} Msamples/s{}  {:.0f} s left", p.stage, percent, rate / 1e6,
-                     written, left);
+  const std::string speed =
+      unit == ProgressUnit::samples ? fmt::format("  {:.1f} Msamples/s", rate / 1e6) : "";
+  return fmt::format("{}: {:5.1f} %{}{}  {:.0f} s left", p.stage, percent, speed, written, left);
 }
 
 }  // namespace
 
-BakeProgress::BakeProgress()
-    : start_(steady_clock::now()), shown_(start_), terminal_(::isatty(STDERR_FILENO) == 1) {}
+BakeProgress::BakeProgress(ProgressUnit unit)
+    : start_(steady_clock::now()), shown_(start_), unit_(unit), terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 BakeProgress::~BakeProgress() {
   if (line_open_) fmt::print(stderr, "\n");
@@ -37,7 +38,7 @@ void BakeProgress::show(const Progress& progress) {
   const auto pause = terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10000);
   if (now - shown_ < pause) return;
   shown_ = now;
-  const std::string line = describe(progress, std::chrono::duration<double>(now - start_).count());
+  const std::string line = describe(progress, unit_, std::chrono::duration<double>(now - start_).count());
   fmt::print(stderr, "{}{}{}", terminal_ ? "\r\x1b[K" : "", line, terminal_ ? "" : "\n");
   std::fflush(stderr);
   line_open_ = terminal_;

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "builder/app/grid_sampler.h"
+#include "builder/export/grid_sampler.h"
 
 namespace cairn {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "builder/app/bake_progress.h"
 #include "builder/app/export_target.h"
-#include "builder/app/grid_sampler.h"
+#include "builder/export/grid_sampler.h"
 #include "builder/app/pack_metadata.h"
 #include "builder/app/region_argument.h"
 #include "builder/app/report_error.h"

@@ -41,6 +41,7 @@ int run(int argc, char** argv) {
   cairn::add_diff(app, exit_code);
   cairn::add_sample(app, exit_code);
   cairn::add_extract(app, exit_code);
+  cairn::add_export(app, exit_code);
   cairn::add_hillshade(app, exit_code);
   cairn::add_inspect(app, exit_code);
 

@@ -13,6 +13,7 @@ void add_info(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);
 void add_sample(CLI::App& app, int& exit_code);
 void add_extract(CLI::App& app, int& exit_code);
+void add_export(CLI::App& app, int& exit_code);
 void add_hillshade(CLI::App& app, int& exit_code);
 void add_diff(CLI::App& app, int& exit_code);
 void add_inspect(CLI::App& app, int& exit_code);

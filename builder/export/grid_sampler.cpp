@@ -1,4 +1,4 @@
-#include "builder/app/grid_sampler.h"
+#include "builder/export/grid_sampler.h"
 
 #include <algorithm>
 #include <cassert>

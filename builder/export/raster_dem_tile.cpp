@@ -1,0 +1,117 @@
+#include "builder/export/raster_dem_tile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <png.h>
+
+#include "builder/export/grid_error.h"
+
+namespace cairn {
+namespace {
+
+constexpr int kPosts = kDemTilePixels + 1;
+
+std::size_t at(int column, int row) {
+  return static_cast<std::size_t>(row) * kPosts + static_cast<std::size_t>(column);
+}
+
+constexpr int kRim = kPosts + 2;  // with a row and a column around
+
+/// Heights at the pixels and one pixel around them; NaN where the pack has none.
+Result<std::vector<double>> heights_around(const RasterDemSource& source, PackSampler& sampler,
+                                           const MercatorTile& tile, int level) {
+  std::vector<double> heights;
+  heights.reserve(std::size_t{kRim} * kRim);
+  for (int r = -1; r < kPosts + 1; ++r) {
+    for (int c = -1; c < kPosts + 1; ++c) {
+      const LonLat place = mercator_place(tile, static_cast<double>(c) / kDemTilePixels,
+                                          static_cast<double>(r) / kDemTilePixels);
+      const auto height = sampler.height_at(place, level);
+      if (!height) return height.error();
+      heights.push_back(*height ? (*height)->metres + source.shift.at(place) : std::nan(""));
+    }
+  }
+  return heights;
+}
+
+/// The height of a pixel. One without height beside some with heights is their mean, so that readings at the
+/// rim of the ground are the ground's; others are 0.
+double filled(const std::vector<double>& heights, int column, int row) {
+  const auto height = [&](int c, int r) {
+    return heights[static_cast<std::size_t>(r + 1) * kRim + static_cast<std::size_t>(c + 1)];
+  };
+  if (!std::isnan(height(column, row))) return height(column, row);
+  double sum = 0;
+  int count = 0;
+  for (int r = row - 1; r <= row + 1; ++r) {
+    for (int c = column - 1; c <= column + 1; ++c) {
+      if (std::isnan(height(c, r))) continue;
+      sum += height(c, r);
+      ++count;
+    }
+  }
+  return count == 0 ? 0 : sum / count;
+}
+
+}  // namespace
+
+DemEncoding DemEncoding::custom(double quantum_m) {
+  return {"custom", 65536 * quantum_m, 256 * quantum_m, quantum_m, 8388608 * quantum_m};
+}
+
+// Rounded before it is cut into bytes.
+std::uint32_t DemEncoding::pixel_of(double metres) const {
+  return static_cast<std::uint32_t>(std::clamp(std::llround((metres + base_m) / blue_m), 0LL, 0xFFFFFFLL));
+}
+
+double DemEncoding::metres_of(std::uint32_t pixel) const {
+  return (pixel >> 16) * red_m + (pixel >> 8 & 0xFF) * green_m + (pixel & 0xFF) * blue_m - base_m;
+}
+
+Result<RasterDemTile> make_raster_dem(const RasterDemSource& source, PackSampler& sampler,
+                                      const MercatorTile& tile, int level, int measured_level) {
+  const auto heights = heights_around(source, sampler, tile, level);
+  if (!heights) return heights.error();
+  RasterDemTile made;
+  made.pixels.reserve(std::size_t{kPosts} * kPosts);
+  for (int r = 0; r < kPosts; ++r)
+    for (int c = 0; c < kPosts; ++c) made.pixels.push_back(source.encoding.pixel_of(filled(*heights, c, r)));
+  DecodedGrid read{kPosts, kPosts, {}};
+  for (const std::uint32_t pixel : made.pixels) read.metres.push_back(source.encoding.metres_of(pixel));
+  const auto position = [&tile](LonLat place) {
+    return GridPosition{
+        (std::ldexp((place.lon + 180) / 360, tile.zoom) - static_cast<double>(tile.x)) * kDemTilePixels,
+        (std::ldexp(mercator_row(place.lat), tile.zoom) - static_cast<double>(tile.y)) * kDemTilePixels};
+  };
+  const auto error = grid_error(source.patches, source.tiles, source.shift,
+                                ticks_around(mercator_bounds(tile)), measured_level, read, position);
+  if (!error) return error.error();
+  made.max_error_m = *error;
+  return made;
+}
+
+Result<std::vector<std::byte>> encode_raster_dem(const RasterDemTile& tile) {
+  std::vector<std::uint8_t> rgb;
+  rgb.reserve(std::size_t{kDemTilePixels} * kDemTilePixels * 3);
+  for (int r = 0; r < kDemTilePixels; ++r) {
+    for (int c = 0; c < kDemTilePixels; ++c) {
+      const std::uint32_t pixel = tile.pixels[at(c, r)];
+      for (const int shift : {16, 8, 0}) rgb.push_back(static_cast<std::uint8_t>(pixel >> shift));
+    }
+  }
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = image.height = kDemTilePixels;
+  image.format = PNG_FORMAT_RGB;
+  // The compressed size is known only after compressing, so room for the largest is given at once.
+  std::vector<std::byte> out(PNG_IMAGE_PNG_SIZE_MAX(image));
+  png_alloc_size_t bytes = out.size();
+  if (png_image_write_to_memory(&image, out.data(), &bytes, 0, rgb.data(), 0, nullptr) == 0)
+    return failed(std::string("PNG: ") + image.message);
+  out.resize(bytes);
+  return out;
+}
+
+}  // namespace cairn

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "builder/export/mercator_tiles.h"
+#include "builder/export/metre_tiles.h"
+#include "builder/export/pack_patches.h"
+#include "builder/export/vertical_shift.h"
+#include "cairn/pack_sampler.h"
+#include "cairn/status.h"
+
+namespace cairn {
+
+/// How a MapLibre raster-dem source makes metres of a pixel: red·red_m + green·green_m + blue·blue_m -
+/// base_m.
+struct DemEncoding {
+  const char* name = "terrarium";
+  double red_m = 256;
+  double green_m = 1;
+  double blue_m = 1.0 / 256;
+  double base_m = 32768;
+
+  /// Terrarium (Tilezen 2017): steps of 1/256 m.
+  static DemEncoding terrarium() { return {}; }
+  /// Steps of the pack's quantum, in the middle of what 24 bits hold.
+  static DemEncoding custom(double quantum_m);
+
+  /// Of the nearest step, and the metres that it stands for.
+  std::uint32_t pixel_of(double metres) const;
+  double metres_of(std::uint32_t pixel) const;
+};
+
+inline constexpr int kDemTilePixels = 512;
+
+/// A tile of heights as its reader has them. Pixel i stands for the place i/512 of the tile's width from its
+/// west, and j from its north: so reads MapLibre's Terrain.getDEMElevation() and its shaders. The last column
+/// and row are the first ones of the tiles beside it.
+struct RasterDemTile {
+  std::vector<std::uint32_t> pixels;  ///< 513², rows from NORTH to south
+  double max_error_m = 0;  ///< of MapLibre's bilinear reading at the pack's samples, their own error included
+};
+
+struct RasterDemSource {
+  const PackPatches& patches;
+  MetreTiles& tiles;
+  const VerticalShift& shift;
+  DemEncoding encoding;
+};
+
+/// Makes a tile: heights of the pack up to a level, a place without height is the mean of
+/// the pixels around it that have one, or 0. It is measured at the
+/// samples of levels up to `measured_level`. `sampler` is the calling thread's own.
+Result<RasterDemTile> make_raster_dem(const RasterDemSource& source, PackSampler& sampler,
+                                      const MercatorTile& tile, int level, int measured_level);
+
+/// The tile's 512² pixels as an RGB PNG.
+Result<std::vector<std::byte>> encode_raster_dem(const RasterDemTile& tile);
+
+}  // namespace cairn
