@@ -165,11 +165,11 @@ void check_memory(const BuildOptions& options) {
 py::dict bake(const py::object& inputs, const Path& target, const py::object& imagery,
               std::optional<int> level, std::optional<int> top, int tile_size, std::optional<Bounds> region,
               std::optional<double> max_error_m, std::optional<double> quantum_m, bool allow_error,
-              const std::string& resampling, const std::string& void_mode, const std::string& datum,
-              std::optional<Path> geoid, std::optional<float> rqt_tolerance_m,
-              const std::string& texture_format, const std::string& texture_quality,
-              std::optional<Bounds> imagery_bounds, double feather_pixels, std::size_t memory_mib,
-              int threads, bool resume, bool force, const py::object& progress) {
+              const std::string& resampling, const std::string& void_mode,
+              const std::optional<std::string>& datum, std::optional<Path> geoid,
+              std::optional<float> rqt_tolerance_m, const std::string& texture_format,
+              const std::string& texture_quality, std::optional<Bounds> imagery_bounds, double feather_pixels,
+              std::size_t memory_mib, int threads, bool resume, bool force, const py::object& progress) {
   BuildOptions o;
   o.mosaic.inputs = files_of(inputs);
   o.imagery.inputs = files_of(imagery);
@@ -204,10 +204,12 @@ py::dict bake(const py::object& inputs, const Path& target, const py::object& im
                                                   {"cubic", ResampleMethod::cubic},
                                                   {"exact", ResampleMethod::exact},
                                                   {"smooth", ResampleMethod::smooth}});
-  o.mosaic.datum = value_of<VerticalDatum>("datum", datum,
-                                           {{"unknown", VerticalDatum::unknown},
-                                            {"egm96", VerticalDatum::egm96},
-                                            {"ellipsoid", VerticalDatum::ellipsoid}});
+  if (datum) {
+    o.mosaic.datum = value_of<VerticalDatum>("datum", *datum,
+                                             {{"unknown", VerticalDatum::unknown},
+                                              {"egm96", VerticalDatum::egm96},
+                                              {"ellipsoid", VerticalDatum::ellipsoid}});
+  }
   o.mosaic.geoid = geoid;
   o.heights.quantum_m = quantum_m;
   o.heights.allow_error = allow_error;
@@ -250,7 +252,7 @@ target: the pack to make. It appears when it is whole, or not at all.
 level, top: finest and coarsest level; region: (west, south, east, north) in degrees.
 max_error_m: error bound; no post is off by more. quantum_m: step in which heights are stored.
 resampling: smooth, exact, cubic, bilinear or nearest. void: fill or keep.
-datum: unknown, egm96 or ellipsoid; geoid: raster of undulations to add.
+datum: unknown, egm96 or ellipsoid; None for what the DEMs say, which then has to be one datum; geoid: raster of undulations to add.
 rqt_tolerance_m: also store triangulations off by less than so many metres at the finest level.
 texture_format: bc1, bc3 or bc7; texture_quality: fast, normal or best.
 memory_mib: MiB that the process stays under; threads: 0 for all.
@@ -270,7 +272,7 @@ void add_bake(py::module_& module) {
              py::arg("tile_size") = defaults.grid.tile_size, py::arg("region") = py::none(),
              py::arg("max_error_m") = py::none(), py::arg("quantum_m") = py::none(),
              py::arg("allow_error") = false, py::arg("resampling") = "smooth", py::arg("void") = "fill",
-             py::arg("datum") = "unknown", py::arg("geoid") = py::none(),
+             py::arg("datum") = py::none(), py::arg("geoid") = py::none(),
              py::arg("rqt_tolerance_m") = py::none(), py::arg("texture_format") = "bc1",
              py::arg("texture_quality") = "normal", py::arg("imagery_bounds") = py::none(),
              py::arg("feather_pixels") = 0.0, py::arg("memory_mib") = defaults.session.memory_bytes >> 20,

@@ -69,7 +69,7 @@ def bake(
     allow_error: bool = False,
     resampling: Literal["smooth", "exact", "cubic", "bilinear", "nearest"] = "smooth",
     void: Literal["fill", "keep"] = "fill",
-    datum: Literal["unknown", "egm96", "ellipsoid"] = "unknown",
+    datum: Literal["unknown", "egm96", "ellipsoid"] | None = None,
     geoid: _Path | None = None,
     rqt_tolerance_m: float | None = None,
     texture_format: Literal["bc1", "bc3", "bc7"] = "bc1",
