@@ -38,6 +38,7 @@ struct PackWriter::State {
         target(std::move(target_path)),
         header(pack_header),
         entries(target.parent_path()) {
+    header.entry_count = 0;  // a header that was read counts the tiles of its own pack
     buffer.reserve(kBufferBytes);
   }
 

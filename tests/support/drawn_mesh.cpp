@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -11,6 +12,8 @@
 
 namespace cairn::test {
 namespace {
+
+constexpr double kAside = 1 / 32.0;  // of a patch: so far chords bend over neighbouring triangles
 
 glm::dvec3 position_of(const SurfaceVertex& vertex, float coarser_share, const glm::dvec3& up) {
   const double above = static_cast<double>(vertex.to_coarser_m) * static_cast<double>(coarser_share);
@@ -53,13 +56,35 @@ const PatchMesh& DrawnMesh::mesh_of(std::size_t patch) const {
 std::optional<double> DrawnMesh::height_m(LonLat place) const {
   const auto index = patch_at(place);
   if (!index) return std::nullopt;
-  const SurfacePatch& patch = plan_.partition.patches[*index];
-  const PatchMesh& mesh = mesh_of(*index);
+  const std::vector<double> heights = heights_in(*index, place);
+  return heights.empty() ? std::nullopt : std::optional(heights.front());
+}
+
+std::vector<double> DrawnMesh::heights_m(LonLat place) const {
+  const auto index = patch_at(place);
+  if (!index) return {};
+  const double aside = tile_bounds(plan_.partition.patches[*index].area).height() * kAside;
+  std::set<std::size_t> near;
+  for (const int dy : {-1, 0, 1})
+    for (const int dx : {-1, 0, 1})
+      if (const auto beside = patch_at({place.lon + dx * aside, place.lat + dy * aside})) near.insert(*beside);
+  std::vector<double> all;
+  for (const std::size_t patch : near) {
+    const std::vector<double> own = heights_in(patch, place);
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return all;
+}
+
+std::vector<double> DrawnMesh::heights_in(std::size_t index, LonLat place) const {
+  const SurfacePatch& patch = plan_.partition.patches[index];
+  const PatchMesh& mesh = mesh_of(index);
   const GeoBounds b = tile_bounds(patch.area);
-  const double east = (place.lon - b.west) / b.width() * kSurfaceSide;
+  const double east = std::remainder(place.lon - b.west, 360.0) / b.width() * kSurfaceSide;
   const double north = (place.lat - b.south) / b.height() * kSurfaceSide;
-  const double aside = kSurfaceSide / 32.0;  // chords bend over neighbouring triangles
+  const double aside = kSurfaceSide * kAside;
   const glm::dvec3 foot = to_geocentric(place, 0), up = local_frame(place).up;
+  std::vector<double> heights;
   for (std::size_t k = 0; k < mesh.indices.size(); k += 3) {
     glm::dvec3 corners[3];
     double west = kSurfaceSide, last_east = 0, south = kSurfaceSide, last_north = 0;
@@ -75,9 +100,9 @@ std::optional<double> DrawnMesh::height_m(LonLat place) const {
       continue;
     for (std::size_t c = 0; c < 3; ++c)
       corners[c] = position_of(mesh.vertices[mesh.indices[k + c]], patch.surface.coarser_share(), up);
-    if (const auto height = height_over(corners, foot, up)) return height;
+    if (const auto height = height_over(corners, foot, up)) heights.push_back(*height);
   }
-  return std::nullopt;
+  return heights;
 }
 
 }  // namespace cairn::test

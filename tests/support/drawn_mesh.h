@@ -17,8 +17,11 @@ class DrawnMesh {
 
   /// The height above the ellipsoid of the triangle over a place; nullopt where none is, or a void.
   std::optional<double> height_m(LonLat place) const;
+  /// The heights of all triangles over a place, those whose chords bend over it from the next patch among them.
+  std::vector<double> heights_m(LonLat place) const;
 
  private:
+  std::vector<double> heights_in(std::size_t patch, LonLat place) const;
   std::optional<std::size_t> patch_at(LonLat place) const;
   const PatchMesh& mesh_of(std::size_t patch) const;
 

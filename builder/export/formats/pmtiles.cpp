@@ -104,10 +104,11 @@ GeoBounds RasterDemExport::bounds() const {
 bool RasterDemExport::has(const MercatorTile& tile) const {
   const TickRect rect = ticks_within(mercator_bounds(tile));
   if (rect.width() <= 0 || rect.height() <= 0) return false;
-  if (options_.region) {
+  // A pack's heights go on to the ends of its tiles, beyond its data.
+  if (const std::optional<GeoBounds>& within = options_.region ? options_.region : accuracy_.bounds) {
     bool touches = false;
     for (const double turn : {-360.0, 0.0, 360.0}) {
-      const GeoBounds& r = *options_.region;
+      const GeoBounds& r = *within;
       const TickRect region = ticks_within({r.west + turn, r.south, r.east + turn, r.north});
       touches = touches || (region.west < rect.east && region.east > rect.west && region.south < rect.north &&
                             region.north > rect.south);

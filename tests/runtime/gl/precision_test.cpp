@@ -45,6 +45,14 @@ double depth_between(const std::vector<float>& depth, double x, double y) {
   return (nw * (1 - s) + ne * s) * (1 - t) + (sw * (1 - s) + se * s) * t;
 }
 
+/// Whether the pixels around lie on one plane. Beside a silhouette the camera's step may cover the ground.
+bool is_plane_around(const std::vector<float>& depth, int column, int row) {
+  for (const int dy : {0, 1})
+    for (const int dx : {0, 1})
+      if (depth_between(depth, column + dx, row + dy) == 0) return false;
+  return true;
+}
+
 struct Movement {
   double worst_px = 0;
   int pixels = 0;
@@ -56,7 +64,7 @@ void compare(const ViewState& before, const std::vector<float>& first, const Vie
   for (int row = 4; row < kHeight - 4; row += 4) {
     for (int column = 4; column < kWidth - 4; column += 4) {
       const double depth = at(first, column, row);
-      if (depth == 0) continue;
+      if (depth == 0 || !is_plane_around(first, column, row)) continue;
       const PicturePoint there = project(after, shown_at(before, column + 0.5, row + 0.5, depth));
       const double seen = depth_between(second, there.x, there.y);
       if (seen == 0) continue;
