@@ -9,7 +9,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kJournal = "export.journal";
 
-std::span<const std::byte> bytes_of(const std::string& text) {
+std::span<const std::byte> file_bytes(const std::string& text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
@@ -79,11 +79,11 @@ Status ExportFolder::write(const fs::path& name, std::span<const std::byte> byte
 }
 
 Status ExportFolder::write(const fs::path& name, const std::string& text) const {
-  return write(name, bytes_of(text));
+  return write(name, file_bytes(text));
 }
 
 Status ExportFolder::append(const std::string& line) {
-  if (auto status = journal_.write(end_, bytes_of(line + "\n")); !status) return status;
+  if (auto status = journal_.write(end_, file_bytes(line + "\n")); !status) return status;
   end_ += line.size() + 1;
   return {};
 }

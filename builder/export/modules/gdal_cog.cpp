@@ -14,10 +14,10 @@
 namespace cairn {
 namespace {
 
-struct CloseDataset {
+struct CloseImage {
   void operator()(void* dataset) const { GDALClose(dataset); }
 };
-using Dataset = std::unique_ptr<void, CloseDataset>;
+using Dataset = std::unique_ptr<void, CloseImage>;
 
 std::string complaint() {
   const std::string text = CPLGetLastErrorMsg();
