@@ -109,10 +109,6 @@ std::optional<PackPatches::TilePlace> PackPatches::tile_at(std::int64_t x, std::
   return std::nullopt;
 }
 
-double PackPatches::range_of(const IndexEntry& entry) const {
-  return (static_cast<double>(entry.max_quanta) - entry.min_quanta) * pack_.header().quantum_m;
-}
-
 PackPatches::Range PackPatches::range_over(const TickRect& rect, int level) const {
   level = std::clamp(level, coarsest_, finest_);
   Range range;

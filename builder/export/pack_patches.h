@@ -52,9 +52,6 @@ class PackPatches {
     double error_m = 0;
     bool complete = true;
   };
-  /// What lies between the lowest and the highest sample of a tile, metres.
-  double range_of(const IndexEntry& entry) const;
-
   Range range_over(const TickRect& rect, int level) const;
 
  private:

@@ -5,13 +5,10 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
 #include <fmt/format.h>
 #include <gdal.h>
 #include <ogr_srs_api.h>
@@ -19,6 +16,7 @@
 #include "builder/raster/colour_encoding.h"
 #include "builder/raster/crs.h"
 #include "builder/raster/height_tags.h"
+#include "builder/raster/modules/gdal_session.h"
 #include "builder/raster/raster_placement.h"
 #include "builder/raster/raster_source.h"
 
@@ -30,34 +28,9 @@ namespace fs = std::filesystem;
 constexpr GIntBig kCacheBytes =
     16 << 20;  // of all datasets together; builder/bake/memory_budget.cpp counts it
 
-struct CloseDataset {
-  void operator()(void* dataset) const { GDALClose(dataset); }
-};
-using Dataset = std::unique_ptr<void, CloseDataset>;
-
-/// Silences GDAL on this thread and keeps its last complaint.
-class Quiet {
- public:
-  Quiet() {
-    CPLPushErrorHandler(CPLQuietErrorHandler);
-    CPLErrorReset();
-  }
-  ~Quiet() { CPLPopErrorHandler(); }
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
-
-  static std::string reason() {
-    const std::string text = CPLGetLastErrorMsg();
-    return text.empty() ? "nothing that GDAL opens" : text.substr(0, text.find('\n'));
-  }
-};
-
-void register_once() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    GDALAllRegister();
-    if (CPLGetConfigOption("GDAL_CACHEMAX", nullptr) == nullptr) GDALSetCacheMax64(kCacheBytes);
-  });
+std::string found() {
+  const std::string reason = Quiet::reason();
+  return reason.empty() ? "nothing that GDAL opens" : reason;
 }
 
 std::optional<SampleType> sample_type(GDALRasterBandH band) {
@@ -132,15 +105,14 @@ Result<Opened> open_dataset(const fs::path& path) {
       GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
   GDALDatasetH dataset = opened.dataset.get();
   if (dataset == nullptr || GDALGetRasterCount(dataset) < 1)
-    return bad_data(path.string() + ": expected a raster, found: " + Quiet::reason());
+    return bad_data(path.string() + ": expected a raster, found: " + found());
   double transform[6];
   if (GDALGetGeoTransform(dataset, transform) != CE_None)
     return bad_data(path.string() + ": georeference: expected one, found none");
   place_by_transform(transform, opened.georeference);
   if (set_known_crs(dataset, opened.georeference) || set_crs_by_wkt(dataset, opened.georeference))
     return opened;
-  return bad_data(path.string() +
-                  ": CRS: expected one that can be written as WKT, found: " + Quiet::reason());
+  return bad_data(path.string() + ": CRS: expected one that can be written as WKT, found: " + found());
 }
 
 class GdalSource final : public RasterSource {
@@ -170,7 +142,7 @@ Status GdalSource::read_band(GDALRasterBandH band, const PostWindow& w, GDALData
                    columns, rows, type, 0, 0) == CE_None)
     return {};
   return bad_data(fmt::format("{}: column {}, row {}: expected posts, found: {}", info_.path.string(),
-                              w.column, w.row, Quiet::reason()));
+                              w.column, w.row, found()));
 }
 
 /// Calls back for pixels that a mask or an alpha band leaves out.
@@ -296,11 +268,11 @@ Status check_last_row(GDALDatasetH dataset, const fs::path& path) {
   if (GDALRasterIO(GDALGetRasterBand(dataset, 1), GF_Read, 0, last, columns, 1, row.data(), columns, 1,
                    GDT_Float64, 0, 0) == CE_None)
     return {};
-  return bad_data(fmt::format("{}: row {}: expected posts, found: {}", path.string(), last, Quiet::reason()));
+  return bad_data(fmt::format("{}: row {}: expected posts, found: {}", path.string(), last, found()));
 }
 
 Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptions& options) {
-  register_once();
+  register_gdal(kCacheBytes);
   const Quiet quiet;
   auto opened = open_dataset(path);
   if (!opened) return opened.error();
