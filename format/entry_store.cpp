@@ -14,7 +14,7 @@ constexpr std::size_t kRunEntries = std::size_t{1} << 16;
 constexpr std::size_t kReadEntries = 512;
 
 bool entry_before(const IndexEntry& a, const IndexEntry& b) {
-  return key_of(a) < key_of(b);
+  return index_key_of(a) < index_key_of(b);
 }
 
 }  // namespace

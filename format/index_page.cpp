@@ -194,8 +194,8 @@ std::vector<std::byte> encode_leaf_page(std::span<const IndexEntry> entries) {
   std::vector<std::uint64_t> checksums;
   std::uint64_t key = 0;
   for (const IndexEntry& e : entries) {
-    out.number(key_of(e) - key);
-    key = key_of(e);
+    out.number(index_key_of(e) - key);
+    key = index_key_of(e);
   }
   for (const IndexEntry& e : entries) out.number(e.flags);
   for (const IndexEntry& e : entries) {

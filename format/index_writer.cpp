@@ -37,7 +37,7 @@ Status IndexWriter::write_leaf() {
   std::size_t taken = 0;
   auto page = write_page(std::span<const IndexEntry>(pending_), taken, encode_leaf_page);
   if (!page) return page.error();
-  page->key = key_of(pending_.front());
+  page->key = index_key_of(pending_.front());
   page->entries = taken;
   pages_.push_back(*page);
   pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(taken));

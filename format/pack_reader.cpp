@@ -114,7 +114,7 @@ bool PackReader::State::in_block_area(const IndexEntry& entry) const {
 
 Result<std::optional<PackIndex::Found>> PackReader::State::look_up(Layer layer, const TileId& id) const {
   if (!is_valid(id)) return std::optional<PackIndex::Found>();
-  return index->find(key_of(layer, id));
+  return index->find(index_key_of(layer, id));
 }
 
 // Why the entry's page could not be read. Where it can be read by now, the entry has still none of the tile's

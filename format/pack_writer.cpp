@@ -146,7 +146,7 @@ Result<std::vector<std::byte>> PackWriter::State::write_index() {
   });
   std::optional<IndexEntry> before;
   const Status written = entries.visit([&](const IndexEntry& entry) -> Status {
-    if (before && key_of(*before) == key_of(entry))
+    if (before && index_key_of(*before) == index_key_of(entry))
       return failed(target.string() + ": tile " + to_string(entry.id) + " was added twice");
     before = entry;
     ++header.entry_count;

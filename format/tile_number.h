@@ -18,11 +18,11 @@ std::uint64_t tile_number(const TileId& id);
 std::optional<TileId> tile_of_number(std::uint64_t number);
 
 /// What the index is sorted by: the layer, then the tile's number.
-inline std::uint64_t key_of(Layer layer, const TileId& id) {
+inline std::uint64_t index_key_of(Layer layer, const TileId& id) {
   return static_cast<std::uint64_t>(layer) << 59 | tile_number(id);
 }
-inline std::uint64_t key_of(const IndexEntry& entry) {
-  return key_of(entry.layer, entry.id);
+inline std::uint64_t index_key_of(const IndexEntry& entry) {
+  return index_key_of(entry.layer, entry.id);
 }
 
 /// A layer's tile.
@@ -30,7 +30,7 @@ struct LayerTile {
   Layer layer = Layer::heights;
   TileId id;
 };
-/// The inverse of key_of(); nullopt where there is no such layer or tile.
+/// The inverse of index_key_of(); nullopt where there is no such layer or tile.
 std::optional<LayerTile> tile_of_key(std::uint64_t key);
 
 }  // namespace cairn

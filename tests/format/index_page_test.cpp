@@ -36,9 +36,13 @@ std::vector<IndexEntry> random_entries(std::size_t count, std::uint32_t seed) {
     }
     entries.push_back(e);
   }
-  const auto before = [](const IndexEntry& a, const IndexEntry& b) { return key_of(a) < key_of(b); };
+  const auto before = [](const IndexEntry& a, const IndexEntry& b) {
+    return index_key_of(a) < index_key_of(b);
+  };
   std::sort(entries.begin(), entries.end(), before);
-  const auto same = [](const IndexEntry& a, const IndexEntry& b) { return key_of(a) == key_of(b); };
+  const auto same = [](const IndexEntry& a, const IndexEntry& b) {
+    return index_key_of(a) == index_key_of(b);
+  };
   entries.erase(std::unique(entries.begin(), entries.end(), same), entries.end());
   return entries;
 }
@@ -67,9 +71,10 @@ TEST_CASE("tile numbers: a level follows the one above, children stand together,
     for (std::int32_t y = 0; y < 120; y += 7)
       CHECK(tile_of_number(tile_number({0, x, y})) == TileId{0, x, y});
   }
-  CHECK(tile_of_key(key_of(Layer::water, {2, 5, 7}))->layer == Layer::water);
+  CHECK(tile_of_key(index_key_of(Layer::water, {2, 5, 7}))->layer == Layer::water);
   CHECK_FALSE(tile_of_key(std::uint64_t{5} << 59));
-  CHECK(key_of(Layer::heights, {20, 300'000'000, 188'000'000}) < key_of(Layer::imagery, {-9, 0, 0}));
+  CHECK(index_key_of(Layer::heights, {20, 300'000'000, 188'000'000}) <
+        index_key_of(Layer::imagery, {-9, 0, 0}));
 }
 
 TEST_CASE("pages come back as they were written") {
@@ -79,7 +84,7 @@ TEST_CASE("pages come back as they were written") {
     REQUIRE(page.ok());
     CHECK(page->height == 0);
     CHECK(page->entries == entries);
-    for (std::size_t i = 0; i < entries.size(); ++i) CHECK(page->keys[i] == key_of(entries[i]));
+    for (std::size_t i = 0; i < entries.size(); ++i) CHECK(page->keys[i] == index_key_of(entries[i]));
   }
   CHECK(decode_index_page(encode_leaf_page({}))->entries.empty());
   const std::vector<ChildPage> children{
@@ -105,7 +110,7 @@ TEST_CASE("a planet's entries take some twenty bytes each in a page") {
     entries.push_back(e);
   }
   std::sort(entries.begin(), entries.end(),
-            [](const auto& a, const auto& b) { return key_of(a) < key_of(b); });
+            [](const auto& a, const auto& b) { return index_key_of(a) < index_key_of(b); });
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (i % 4 == 0) offset += 100000;  // a parent's block
     entries[i].offset = offset;

@@ -196,7 +196,7 @@ TEST_CASE("the entries of many thousand tiles come out in the order of the index
   const auto entries = entries_of(writer);
   REQUIRE(entries.size() == order.size());
   CHECK(std::is_sorted(entries.begin(), entries.end(),
-                       [](const auto& a, const auto& b) { return key_of(a) < key_of(b); }));
+                       [](const auto& a, const auto& b) { return index_key_of(a) < index_key_of(b); }));
   REQUIRE(writer.finish("{}").ok());
   const auto reader = PackReader::open(dir.path() / "a.cairn");
   REQUIRE(reader.ok());
