@@ -204,8 +204,8 @@ void add_pack(py::module_& module) {
           "quantum_m", [](const Pack& p) { return p.reader().header().quantum_m; },
           "The step in which heights are stored, in metres.")
       .def_property_readonly(
-          "vertical_datum", [](const Pack& p) { return to_string(p.reader().header().vertical_datum); },
-          "What heights are measured from: unknown, egm96 or ellipsoid.")
+          "vertical_datum", [](const Pack& p) { return std::string(p.reader().header().datum_name()); },
+          "What heights are measured from: unknown, egm96, ellipsoid or another name.")
       .def_property_readonly(
           "levels", [](const Pack& p) { return levels_of(p, Layer::heights); },
           "(coarsest, finest) level of heights; None without heights.")

@@ -15,6 +15,7 @@
 #include "format/gdal/pack_dataset.h"
 #include "format/gdal/pack_facts.h"
 #include "format/gdal/raster_grid.h"
+#include "format/gdal/vsi_source.h"
 
 namespace cairn {
 namespace {
@@ -54,8 +55,16 @@ void list_subdatasets(GDALDataset& dataset, const std::string& file, const std::
   }
 }
 
+/// Opens a file of this machine, or of GDAL's own file systems.
+Result<PackReader> open_file(const std::string& file) {
+  if (!file.starts_with("/vsi")) return PackReader::open(file);
+  auto source = open_vsi_source(file);
+  if (!source) return source.error();
+  return PackReader::open(*std::move(source));
+}
+
 Result<std::unique_ptr<PackDataset>> open_dataset(const DatasetName& name) {
-  auto opened = PackReader::open(name.file);
+  auto opened = open_file(name.file);
   if (!opened) return opened.error();
   const auto pack = std::make_shared<const PackReader>(*std::move(opened));
   const std::vector<Layer> layers = layers_of(*pack);
@@ -114,6 +123,7 @@ extern "C" CPL_DLL void GDALRegister_CAIRN() {
   driver->SetMetadataItem(GDAL_DMD_LONGNAME, "Terrain pack of cairn");
   driver->SetMetadataItem(GDAL_DMD_EXTENSION, "cairn");
   driver->SetMetadataItem(GDAL_DMD_MIMETYPE, "application/vnd.cairn.pack");
+  driver->SetMetadataItem(GDAL_DCAP_VIRTUALIO, "YES");
   driver->SetMetadataItem(GDAL_DMD_SUBDATASETS, "YES");
   driver->pfnIdentify = cairn::identify;
   driver->pfnOpen = cairn::open;

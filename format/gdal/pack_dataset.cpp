@@ -132,7 +132,7 @@ class ColourBand final : public PackBand {
   }
 };
 
-const char* crs_of(Layer layer, VerticalDatum datum) {
+const char* earth_crs_of(Layer layer, VerticalDatum datum) {
   if (layer == Layer::imagery) return "EPSG:4326";
   switch (datum) {
     case VerticalDatum::egm96:
@@ -145,6 +145,20 @@ const char* crs_of(Layer layer, VerticalDatum datum) {
   return "EPSG:4326";
 }
 
+OGRSpatialReference crs_of(Layer layer, const PackHeader& header) {
+  OGRSpatialReference crs;
+  const Body& body = header.body;
+  if (body == Body()) {
+    crs.SetFromUserInput(earth_crs_of(layer, header.vertical_datum));
+  } else {
+    const double flattening = 1 - body.semi_minor_m / body.semi_major_m;
+    crs.SetGeogCS(body.name.c_str(), body.name.c_str(), body.name.c_str(), body.semi_major_m,
+                  flattening > 0 ? 1 / flattening : 0, "Reference meridian", 0);
+  }
+  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return crs;
+}
+
 }  // namespace
 
 PackDataset::PackDataset(std::shared_ptr<const PackReader> pack, Layer layer, std::vector<RasterGrid> grids)
@@ -154,8 +168,7 @@ PackDataset::PackDataset(std::shared_ptr<const PackReader> pack, Layer layer, st
       imagery_(*pack_, tiles_for(*pack_, grid_)) {
   nRasterXSize = grid_.columns;
   nRasterYSize = grid_.rows;
-  crs_.SetFromUserInput(crs_of(layer, pack_->header().vertical_datum));
-  crs_.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  crs_ = crs_of(layer, pack_->header());
   if (layer == Layer::heights) {
     SetBand(1, new HeightBand(this));
   } else {

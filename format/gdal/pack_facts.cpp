@@ -37,6 +37,7 @@ void set_levels(GDALDataset& dataset, const CPLJSONArray& levels, const char* me
 }  // namespace
 
 Result<CPLJSONObject> read_metadata(const PackReader& pack) {
+  if (const Status status = pack.read_metadata(); !status) return status.error();
   CPLJSONDocument document;
   if (document.LoadMemory(std::string(pack.metadata_json()))) return document.GetRoot();
   return bad_data(pack.path().string() + ": metadata: expected a JSON object, found no JSON");
@@ -61,7 +62,7 @@ void set_metadata_items(GDALDataset& dataset, const PackReader& pack, const CPLJ
   item("AREA_OR_POINT", layer == Layer::heights ? "Point" : "Area");
   item("CAIRN_LEVEL", std::to_string(level));
   if (layer == Layer::heights) {
-    item("CAIRN_VERTICAL_DATUM", to_string(pack.header().vertical_datum));
+    item("CAIRN_VERTICAL_DATUM", std::string(pack.header().datum_name()));
     set(dataset, "CAIRN_QUANTUM_M", pack.header().quantum_m);
     set_accuracy(dataset, metadata);
     set_levels(dataset, metadata.GetArray("levels"), "max_error_m", "MAX_ERROR_M");

@@ -5,14 +5,18 @@ usage: tests/gdal/driver_test.py PROGRAMS PLUGINS
 Prints SKIPPED where GDAL's Python bindings are absent."""
 
 import csv
+import http.server
 import io
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
+import zipfile
 
 PROGRAMS, PLUGINS = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 os.environ["GDAL_DRIVER_PATH"] = str(PLUGINS)
@@ -75,6 +79,41 @@ def heights_of(band):
     metres = band.ReadAsArray().astype(np.float64)
     metres[metres == NODATA] = np.nan
     return metres
+
+
+class RangeHandler(http.server.BaseHTTPRequestHandler):
+    """Sends ranges of the files of a folder, as web servers do."""
+    protocol_version = "HTTP/1.1"
+    folder = None
+
+    def do_HEAD(self):
+        self.send(False)
+
+    def do_GET(self):
+        self.send(True)
+
+    def send(self, with_body):
+        file = self.folder / self.path.lstrip("/")
+        if not file.is_file():
+            self.send_response(404)
+            self.send_header("Content-Length", "0")
+            self.end_headers()
+            return
+        data = file.read_bytes()
+        found = re.fullmatch(r"bytes=(\d+)-(\d*)", self.headers.get("Range", ""))
+        first, last = (int(found[1]), int(found[2] or len(data) - 1)) if found else (0, len(data) - 1)
+        part = data[first : last + 1]
+        self.send_response(206 if found else 200)
+        if found:
+            self.send_header("Content-Range", f"bytes {first}-{first + len(part) - 1}/{len(data)}")
+        self.send_header("Accept-Ranges", "bytes")
+        self.send_header("Content-Length", str(len(part)))
+        self.end_headers()
+        if with_body:
+            self.wfile.write(part)
+
+    def log_message(self, *arguments):
+        pass
 
 
 class Driver(unittest.TestCase):
@@ -228,6 +267,21 @@ class Driver(unittest.TestCase):
             self.assertEqual(len(dataset.subdatasets), 2)
             value = next(dataset.sample([(8.2, 46.8)]))[0]
         self.assertAlmostEqual(float(value), float(cairn("sample", self.pack, "8.2", "46.8")), delta=0.5)
+
+    def test_packs_of_gdals_own_file_systems(self):
+        expected = gdal.Open(str(self.pack)).ReadAsArray()
+        with zipfile.ZipFile(self.dir / "packs.zip", "w") as archive:
+            archive.write(self.pack, "both.cairn")
+        handler = type("Handler", (RangeHandler,), {"folder": self.dir})
+        with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            web = f"/vsicurl/http://127.0.0.1:{server.server_port}"
+            for name in (f"/vsizip/{self.dir}/packs.zip/both.cairn", f"{web}/both.cairn",
+                         f'CAIRN:"{web}/both.cairn":heights'):
+                np.testing.assert_array_equal(gdal.Open(name).ReadAsArray(), expected)
+            with self.assertRaises(RuntimeError):
+                gdal.Open(f'CAIRN:"{web}/none.cairn":heights')
+            server.shutdown()
 
     def test_what_cannot_be_opened_says_why(self):
         cairn("bake", self.dir / "hills.tif", "-o", self.dir / "heights.cairn", "--level", 1, "--allow-error")
