@@ -43,6 +43,7 @@ int run(int argc, char** argv) {
   cairn::add_extract(app, exit_code);
   cairn::add_export(app, exit_code);
   cairn::add_hillshade(app, exit_code);
+  cairn::add_serve(app, exit_code);
   cairn::add_inspect(app, exit_code);
 
   for (const cairn::ExternalVerb& verb : cairn::kExternalVerbs) app.add_subcommand(verb.name, verb.summary);

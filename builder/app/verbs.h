@@ -15,6 +15,7 @@ void add_sample(CLI::App& app, int& exit_code);
 void add_extract(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 void add_hillshade(CLI::App& app, int& exit_code);
+void add_serve(CLI::App& app, int& exit_code);
 void add_diff(CLI::App& app, int& exit_code);
 void add_inspect(CLI::App& app, int& exit_code);
 

@@ -57,6 +57,17 @@ double filled(const std::vector<double>& heights, int column, int row) {
 
 }  // namespace
 
+int dem_level(int tile_size, int zoom, int coarsest, int finest) {
+  const double pixel = std::ldexp(360.0 / kDemTilePixels, -zoom);
+  const double spacing = 1.0 / (tile_size - 1);
+  return std::clamp(static_cast<int>(std::ceil(std::log2(spacing / pixel))), coarsest, finest);
+}
+
+int finest_dem_zoom(int tile_size, int finest) {
+  const double pixels = std::log2(360.0 / kDemTilePixels * (tile_size - 1)) + finest;
+  return std::max(0, static_cast<int>(std::ceil(pixels - 1e-9)));
+}
+
 DemEncoding DemEncoding::custom(double quantum_m) {
   return {"custom", 65536 * quantum_m, 256 * quantum_m, quantum_m, 8388608 * quantum_m};
 }

@@ -34,6 +34,12 @@ struct DemEncoding {
 
 inline constexpr int kDemTilePixels = 512;
 
+/// The level, of those that a pack has, whose samples are the next finer than a zoom's pixels.
+int dem_level(int tile_size, int zoom, int coarsest, int finest);
+
+/// The first zoom whose pixels are no larger than the samples of the pack's finest level.
+int finest_dem_zoom(int tile_size, int finest);
+
 /// A tile of heights as its reader has them. Pixel i stands for the place i/512 of the tile's width from its
 /// west, and j from its north: so reads MapLibre's Terrain.getDEMElevation() and its shaders. The last column
 /// and row are the first ones of the tiles beside it.

@@ -86,12 +86,8 @@ class RasterDemExport {
   Progress now_;
 };
 
-/// The level whose samples are the next finer than the zoom's pixels.
 int RasterDemExport::level_of(int zoom) const {
-  const double pixel = std::ldexp(360.0 / kDemTilePixels, -zoom);
-  const double spacing = 1.0 / (pack_.header().tile_size - 1);
-  return std::clamp(static_cast<int>(std::ceil(std::log2(spacing / pixel))), patches_.coarsest(),
-                    patches_.finest());
+  return dem_level(pack_.header().tile_size, zoom, patches_.coarsest(), patches_.finest());
 }
 
 GeoBounds RasterDemExport::bounds() const {
@@ -126,9 +122,7 @@ void RasterDemExport::list(const MercatorTile& tile) {
 }
 
 Status RasterDemExport::plan() {
-  const double pixels =
-      std::log2(360.0 / kDemTilePixels * (pack_.header().tile_size - 1)) + patches_.finest();
-  max_zoom_ = std::clamp(static_cast<int>(std::ceil(pixels - 1e-9)), 0, kMostZoom);
+  max_zoom_ = std::min(finest_dem_zoom(pack_.header().tile_size, patches_.finest()), kMostZoom);
   if (options_.levels) {
     min_zoom_ = options_.levels->coarsest;
     max_zoom_ = options_.levels->finest;

@@ -1,0 +1,93 @@
+#include "builder/serve/tile_requests.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "builder/export/grid_error.h"
+#include "builder/export/pack_accuracy.h"
+#include "builder/export/raster_dem_tile.h"
+#include "builder/serve/url_text.h"
+#include "cairn/pack_sampler.h"
+
+namespace cairn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kMostZoom = 22;
+constexpr std::size_t kSamplerTiles = 12;
+
+/// Returns the address of the server as the client knows it; empty where its Host field is none.
+std::string origin_of(const HttpRequest& request) {
+  const std::string& host = request.field("host");
+  const bool valid = !host.empty() && std::all_of(host.begin(), host.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '.' || c == '-' || c == ':' || c == '[' || c == ']';
+  });
+  return valid ? "http://" + host : "";
+}
+
+HttpAnswer tile_json(const HttpRequest& request, const std::string& name, const OpenedPack& pack) {
+  const GeoBounds world{-180, -kMercatorLimit, 180, kMercatorLimit};
+  GeoBounds b = accuracy_of(pack.reader).bounds.value_or(world);
+  if (b.east > 180) b.west = -180, b.east = 180;
+  b.south = std::max(b.south, world.south);
+  b.north = std::min(b.north, world.north);
+  const Json json = {
+      {"tilejson", "3.0.0"},
+      {"tiles", {origin_of(request) + "/terrarium/" + escape_path(name) + "/{z}/{x}/{y}.png"}},
+      {"encoding", "terrarium"},
+      {"tileSize", kDemTilePixels},
+      {"minzoom", 0},
+      {"maxzoom",
+       std::min(finest_dem_zoom(pack.reader.header().tile_size, pack.patches->finest()), kMostZoom)},
+      {"bounds", {b.west, b.south, b.east, b.north}}};
+  return json_answer(json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+/// Returns the tile that the text "ZOOM/X/Y.png" names; nullopt where it names none.
+std::optional<MercatorTile> tile_of(const std::string& text) {
+  MercatorTile tile;
+  int end = 0;
+  long long x = 0, y = 0;
+  if (text.size() > 40 || text.find_first_not_of("0123456789/.png") != std::string::npos ||
+      std::sscanf(text.c_str(), "%2d/%10lld/%10lld.png%n", &tile.zoom, &x, &y, &end) != 3 ||
+      static_cast<std::size_t>(end) != text.size() || tile.zoom > kMostZoom)
+    return std::nullopt;
+  const std::int64_t across = std::int64_t{1} << tile.zoom;
+  if (x >= across || y >= across) return std::nullopt;
+  tile.x = x;
+  tile.y = y;
+  return tile;
+}
+
+}  // namespace
+
+HttpAnswer answer_terrarium(const HttpRequest& request, const std::string& pack_name, const OpenedPack& pack,
+                            const std::string& rest) {
+  if (!pack.patches) return error_answer(404, pack_name + ": expected height tiles, found none");
+  if (rest == "tiles.json") return tile_json(request, pack_name, pack);
+  const auto tile = tile_of(rest);
+  if (!tile) return error_answer(404, "tile: expected ZOOM/X/Y.png, zoom at most 22, found " + rest);
+  const std::vector<std::pair<std::string, std::string>> fields{
+      {"ETag", pack.served.etag}, {"Cache-Control", "no-cache"}, {"Content-Type", "image/png"}};
+  const int level =
+      dem_level(pack.reader.header().tile_size, tile->zoom, pack.patches->coarsest(), pack.patches->finest());
+  if (!pack.patches->has_tile(ticks_around(mercator_bounds(*tile)), level))
+    return error_answer(404, "tile: expected one where the pack has heights, found " + rest);
+  if (const std::string& known = request.field("if-none-match");
+      !known.empty() && names_etag(known, pack.served.etag))
+    return {304, fields, {}, {}};
+  PackSampler sampler(pack.reader, kSamplerTiles);
+  const VerticalShift as_stored;
+  const RasterDemSource source{*pack.patches, pack.tiles, as_stored, DemEncoding::terrarium()};
+  const auto made = make_raster_dem(source, sampler, *tile, level, pack.patches->coarsest());
+  if (!made) return error_answer(500, made.error().message);
+  const auto png = encode_raster_dem(*made);
+  if (!png) return error_answer(500, png.error().message);
+  return {200, fields, std::string(reinterpret_cast<const char*>(png->data()), png->size()), {}};
+}
+
+}  // namespace cairn
