@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <limits>
 
 namespace cairn {
 namespace {
@@ -49,13 +50,14 @@ PackPatches::PackPatches(const PackReader& pack, std::optional<double> finest_er
   finest_ = levels->finest;
 }
 
-void PackPatches::descend(const IndexEntry& entry, const TickRect& rect, double error_m, int finest,
+void PackPatches::descend(const IndexEntry& entry, const TickRect& rect, const Wanted& wanted,
                           std::vector<Patch>& out) const {
   const TickRect area = in_world(ticks_of(entry.id));
   if (!shares(area, rect)) return;
   const auto own_error = static_cast<double>(entry.geometric_error_m);
   std::array<std::optional<IndexEntry>, 4> children;
-  if (own_error > error_m && entry.id.level < std::min(finest, finest_)) {
+  const bool is_enough = own_error <= wanted.error_m && !(wanted.whole && (entry.flags & kHasVoids) != 0);
+  if (!is_enough && entry.id.level < std::min(wanted.finest, finest_)) {
     for (int q = 0; q < 4; ++q)
       if (const TileId child = child_of(entry.id, q); is_valid(child))
         children[static_cast<std::size_t>(q)] = pack_.find(Layer::heights, child);
@@ -66,7 +68,7 @@ void PackPatches::descend(const IndexEntry& entry, const TickRect& rect, double 
   }
   for (int q = 0; q < 4; ++q) {
     if (const auto& child = children[static_cast<std::size_t>(q)]; child) {
-      descend(*child, rect, error_m, finest, out);
+      descend(*child, rect, wanted, out);
       continue;
     }
     if (!is_valid(child_of(entry.id, q))) continue;
@@ -78,12 +80,20 @@ void PackPatches::descend(const IndexEntry& entry, const TickRect& rect, double 
 }
 
 std::vector<Patch> PackPatches::over(const TickRect& rect, double error_m, int finest) const {
+  return over(rect, {error_m, finest, false});
+}
+
+std::vector<Patch> PackPatches::over_rims(const TickRect& rect) const {
+  return over(rect, {std::numeric_limits<double>::infinity(), finest_, true});
+}
+
+std::vector<Patch> PackPatches::over(const TickRect& rect, const Wanted& wanted) const {
   std::vector<Patch> out;
   const TileSpan span = tiles_over(rect, coarsest_);
   for (std::int32_t y = span.first_y; y <= span.last_y; ++y)
     for (std::int32_t x = span.first_x; x <= span.last_x; ++x)
       if (const auto entry = pack_.find(Layer::heights, {coarsest_, x, y}))
-        descend(*entry, rect, error_m, finest, out);
+        descend(*entry, rect, wanted, out);
   return out;
 }
 
@@ -107,6 +117,10 @@ std::optional<PackPatches::TilePlace> PackPatches::tile_at(std::int64_t x, std::
     }
   }
   return std::nullopt;
+}
+
+double PackPatches::range_of(const IndexEntry& entry) const {
+  return (static_cast<double>(entry.max_quanta) - entry.min_quanta) * pack_.header().quantum_m;
 }
 
 PackPatches::Range PackPatches::range_over(const TickRect& rect, int level) const {

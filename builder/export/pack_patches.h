@@ -31,6 +31,9 @@ class PackPatches {
   /// come. A rectangle without width or height is a line: tiles on both sides of it come.
   std::vector<Patch> over(const TickRect& rect, double error_m, int finest) const;
 
+  /// The finest tiles that have a sample within the rectangle, and those coarser ones that have no void.
+  std::vector<Patch> over_rims(const TickRect& rect) const;
+
   /// Whether a tile of this level, or of the coarsest where this is coarser, shares more than an edge with
   /// the rectangle.
   bool has_tile(const TickRect& rect, int level) const;
@@ -54,8 +57,18 @@ class PackPatches {
   };
   Range range_over(const TickRect& rect, int level) const;
 
+  /// What lies between the lowest and the highest sample of a tile, metres.
+  double range_of(const IndexEntry& entry) const;
+
  private:
-  void descend(const IndexEntry& entry, const TickRect& rect, double error_m, int finest,
+  /// Which tiles are good enough.
+  struct Wanted {
+    double error_m = 0;
+    int finest = 0;
+    bool whole = false;  ///< without voids
+  };
+  std::vector<Patch> over(const TickRect& rect, const Wanted& wanted) const;
+  void descend(const IndexEntry& entry, const TickRect& rect, const Wanted& wanted,
                std::vector<Patch>& out) const;
 
   const PackReader& pack_;

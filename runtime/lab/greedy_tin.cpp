@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "runtime/lab/delaunay.h"
+#include "format/delaunay.h"
 #include "runtime/lod/mesh/grid_positions.h"
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/view/horizon.h"

@@ -78,6 +78,9 @@ Result<ExportReport> write(const PackReader& pack, const ExportOptions& options,
   // The raster's samples are the pack's: it is off the posts by what the pack's surface of this level is.
   double error = 0;
   for (const Patch& tile : tiles) error = std::max(error, tile.error_m);
+  if (options.max_error_m && error > *options.max_error_m)
+    return failed(fmt::format("level {}: expected at most {:g} m off the source posts, found {:g} m", level,
+                              *options.max_error_m, error));
   const auto copy = reinterpret_cast<CopyAsCog>(load_reader_plugin("cairn-gdal", "cairn_copy_as_cog"));
   if (copy == nullptr) return failed("GDAL: expected the module cairn-gdal beside the program, found none");
   const Json identity = {{"format", "geotiff"}, {"pack", identity_of(pack)}};

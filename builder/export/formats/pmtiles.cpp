@@ -101,17 +101,16 @@ bool RasterDemExport::has(const MercatorTile& tile) const {
   const TickRect rect = ticks_within(mercator_bounds(tile));
   if (rect.width() <= 0 || rect.height() <= 0) return false;
   // A pack's heights go on to the ends of its tiles, beyond its data.
-  if (const std::optional<GeoBounds>& within = options_.region ? options_.region : accuracy_.bounds) {
-    bool touches = false;
-    for (const double turn : {-360.0, 0.0, 360.0}) {
-      const GeoBounds& r = *within;
-      const TickRect region = ticks_within({r.west + turn, r.south, r.east + turn, r.north});
-      touches = touches || (region.west < rect.east && region.east > rect.west && region.south < rect.north &&
-                            region.north > rect.south);
-    }
-    if (!touches) return false;
+  const std::optional<GeoBounds>& within = options_.region ? options_.region : accuracy_.bounds;
+  if (!within) return patches_.has_tile(rect, level_of(tile.zoom));
+  for (const double turn : {-360.0, 0.0, 360.0}) {
+    const TickRect bounds =
+        ticks_within({within->west + turn, within->south, within->east + turn, within->north});
+    const TickRect both{std::max(rect.west, bounds.west), std::max(rect.south, bounds.south),
+                        std::min(rect.east, bounds.east), std::min(rect.north, bounds.north)};
+    if (both.width() > 0 && both.height() > 0 && patches_.has_tile(both, level_of(tile.zoom))) return true;
   }
-  return patches_.has_tile(rect, level_of(tile.zoom));
+  return false;
 }
 
 void RasterDemExport::list(const MercatorTile& tile) {
@@ -137,9 +136,8 @@ Status RasterDemExport::plan() {
                   "and at these zooms, the pack has none");
   std::sort(tiles_.begin(), tiles_.end(),
             [](const MercatorTile& a, const MercatorTile& b) { return pmtiles_id(a) < pmtiles_id(b); });
-  const double steps = pack_.header().quantum_m * 256;
-  encoding_ =
-      steps == std::round(steps) ? DemEncoding::terrarium() : DemEncoding::custom(pack_.header().quantum_m);
+  // Pixels lie between the pack's samples, so that its own steps would only be coarser.
+  if (pack_.header().quantum_m < encoding_.blue_m) encoding_ = DemEncoding::custom(pack_.header().quantum_m);
   return {};
 }
 

@@ -204,6 +204,9 @@ GeoBounds HeightmapExport::bounds_of(int x, int y) const {
 Result<MadeFile> HeightmapExport::make(MetreTiles& tiles, const VerticalShift& shift, int x, int y) const {
   MadeFile made;
   DecodedGrid grid{map_.posts, map_.posts, {}};
+  const auto posts = static_cast<std::size_t>(map_.posts) * static_cast<std::size_t>(map_.posts);
+  grid.metres.reserve(posts);
+  made.bytes.reserve(posts * sizeof(std::uint16_t));
   PackSampler sampler(pack_, kSamplerTiles);
   const double step = map_.step_m();
   const double west = map_.west_m + x * (map_.posts - 1) * map_.spacing_m;
@@ -279,6 +282,17 @@ Result<ExportReport> HeightmapExport::run() {
   if (options_.levels)
     return usage_error(
         "levels: expected none, since a heightmap's posts are as far apart as its spacing says, found some");
+  // A file's posts as numbers and as bytes, while it is made.
+  const std::size_t file_bytes = static_cast<std::size_t>(options_.posts) *
+                                 static_cast<std::size_t>(options_.posts) *
+                                 (sizeof(double) + 2 * sizeof(std::uint16_t));
+  constexpr std::size_t kProgramBytes = std::size_t{128} << 20;
+  if (options_.memory_bytes < kProgramBytes + file_bytes)
+    return usage_error(fmt::format("memory: expected at least {} MiB for files of {}² posts, found {}",
+                                   ((kProgramBytes + file_bytes) >> 20) + 1, options_.posts,
+                                   options_.memory_bytes >> 20));
+  const std::size_t in_flight = std::min<std::size_t>(static_cast<std::size_t>(options_.threads),
+                                                      (options_.memory_bytes - kProgramBytes) / file_bytes);
   if (auto status = plan(*shift); !status) return status.error();
   const Json identity = {{"format", "r16"},
                          {"pack", identity_of(pack_)},
@@ -315,7 +329,7 @@ Result<ExportReport> HeightmapExport::run() {
   tbb::task_arena arena(options_.threads);
   const Status made = arena.execute([&] {
     return run_in_order<MadeFile>(
-        folder->done().size(), files, static_cast<std::size_t>(options_.threads),
+        folder->done().size(), files, in_flight,
         [&](std::size_t i) {
           return make(tiles, *shift, static_cast<int>(i) % map_.across, static_cast<int>(i) / map_.across);
         },

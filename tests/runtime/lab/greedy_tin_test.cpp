@@ -7,7 +7,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "runtime/lab/delaunay.h"
+#include "format/delaunay.h"
 #include "runtime/lab/screen_error.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"

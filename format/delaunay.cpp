@@ -1,4 +1,4 @@
-#include "runtime/lab/delaunay.h"
+#include "format/delaunay.h"
 
 #include <algorithm>
 #include <cassert>

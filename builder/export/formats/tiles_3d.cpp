@@ -1,0 +1,377 @@
+// An explicit tileset of 3D Tiles 1.1 (OGC 22-025r4), each tile with the error that was measured of it.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <tbb/task_arena.h>
+
+#include "builder/bake/pipeline.h"
+#include "builder/export/export_folder.h"
+#include "builder/export/export_format.h"
+#include "builder/export/glb_writer.h"
+#include "builder/export/imagery_view.h"
+#include "builder/export/pack_accuracy.h"
+#include "builder/export/quantized_mesh_tile.h"
+
+namespace cairn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Unit = QuantizedMeshPlan::Unit;
+
+constexpr std::size_t kProgramBytes = std::size_t{64} << 20;
+constexpr std::size_t kThreadBytes = std::size_t{48} << 20;
+constexpr int kLargeTileLevel =
+    6;  // up to here one tile is made at a time: it may hold a hundred of the pack's
+constexpr const char* kTilesetName = "tileset.json";
+constexpr int kLevelsOfFile = 4;    // a tileset file has so many levels, then other files go on
+constexpr int kTexture = 512;       // pixels a side of a tile's image, and up to
+constexpr int kMostTexture = 2048;  // in tiles without finer ones
+
+using Key = std::tuple<int, std::int64_t, std::int64_t>;  // level, x, y
+
+/// What the tree needs to know of a tile.
+struct TileNote {
+  double error_m = 0;
+  double lowest_m = 0;
+  double highest_m = 0;
+};
+struct MadeTile {
+  GeographicTile tile;
+  TileNote note;
+  std::vector<std::byte> glb;
+  std::size_t triangles = 0;
+  std::size_t vertices = 0;
+};
+using MadeUnit = std::vector<MadeTile>;
+
+std::string name_of(const GeographicTile& tile) {
+  return fmt::format("{}/{}/{}", tile.level, tile.x, tile.y);
+}
+
+/// Without the triangles over ground that the pack does not have, and without vertices that none uses.
+GlbMesh ground_of(const QuantizedMesh& mesh) {
+  GlbMesh out;
+  constexpr std::uint32_t kUnused = UINT32_MAX;
+  std::vector<std::uint32_t> numbers(mesh.u.size(), kUnused);
+  for (const auto& triangle : mesh.triangles) {
+    if (std::none_of(triangle.begin(), triangle.end(),
+                     [&](std::uint32_t i) { return mesh.has_ground[i] != 0; }))
+      continue;
+    std::array<std::uint32_t, 3> own{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t i = triangle[k];
+      if (numbers[i] == kUnused) {
+        numbers[i] = static_cast<std::uint32_t>(out.positions.size());
+        out.positions.push_back(geocentric(mesh.place(i), mesh.metres(i)));
+        out.normals.push_back(mesh.normals[i]);
+        out.texture.push_back({static_cast<float>(mesh.u[i]) / QuantizedMesh::kLargest,
+                               1 - static_cast<float>(mesh.v[i]) / QuantizedMesh::kLargest});
+      }
+      own[k] = numbers[i];
+    }
+    out.triangles.push_back(own);
+  }
+  return out;
+}
+
+class TilesetExport {
+ public:
+  TilesetExport(const PackReader& pack, const ExportOptions& options, const ProgressCallback& progress)
+      : pack_(pack),
+        options_(options),
+        progress_(progress),
+        accuracy_(accuracy_of(pack)),
+        imagery_(pack.levels(Layer::imagery)) {}
+
+  Result<ExportReport> run();
+
+ private:
+  std::string identity(VerticalDatum datum) const;
+  Result<MadeUnit> make(const QuantizedMeshSource& source, const Unit& unit) const;
+  Result<std::vector<std::byte>> image_of(const QuantizedMeshPlan& plan, const GeographicTile& tile,
+                                          const GeoBounds& bounds) const;
+  Status take(const QuantizedMeshPlan& plan, ExportFolder& folder, std::size_t i, MadeUnit&& made);
+  Status count(const QuantizedMeshPlan& plan, const std::string& line);
+  Status make_units(const QuantizedMeshSource& source, ExportFolder& folder, std::size_t first,
+                    std::size_t end, std::size_t in_flight);
+  std::vector<GeographicTile> children_of(const GeographicTile& tile) const;
+  void gather();
+  std::vector<GeographicTile> roots() const;
+  Json node_of(const GeographicTile& tile) const;
+  Status write_tileset(const ExportFolder& folder, const std::vector<GeographicTile>& roots,
+                       const std::string& name) const;
+
+  const PackReader& pack_;
+  const ExportOptions& options_;
+  const ProgressCallback& progress_;
+  PackAccuracy accuracy_;
+  std::optional<PackReader::LevelRange> imagery_;
+  std::vector<Unit> units_;
+  std::map<Key, TileNote> tiles_;  // with the errors and heights of those below, once gathered
+  std::map<int, ExportLevel> levels_;
+  Progress now_;
+};
+
+std::string TilesetExport::identity(VerticalDatum datum) const {
+  Json json = {{"format", "3dtiles"},
+               {"pack", identity_of(pack_)},
+               {"datum", to_string(datum)},
+               {"ellipsoidal", options_.heights != ExportHeights::as_stored},
+               {"geoid", options_.geoid.string()}};
+  if (options_.region)
+    json["region"] = {options_.region->west, options_.region->south, options_.region->east,
+                      options_.region->north};
+  if (options_.max_error_m) json["max_error_m"] = *options_.max_error_m;
+  if (options_.levels) json["finest"] = options_.levels->finest;
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// As many pixels as the imagery has there, within limits; nothing where it has no colour.
+Result<std::vector<std::byte>> TilesetExport::image_of(const QuantizedMeshPlan& plan,
+                                                       const GeographicTile& tile,
+                                                       const GeoBounds& bounds) const {
+  if (!imagery_) return std::vector<std::byte>();
+  const double texels = std::ldexp(bounds.height(), imagery_->finest) * (pack_.header().tile_size - 1);
+  const bool is_leaf = !plan.has({tile.level + 1, 2 * tile.x, 2 * tile.y});
+  const double most = is_leaf ? kMostTexture : kTexture;
+  int size = 64;
+  while (size < texels && size < most) size *= 2;
+  const auto view = draw_imagery(pack_, bounds, size);
+  if (!view) return view.error();
+  if (view->is_empty) return std::vector<std::byte>();
+  return encode_jpeg(*view);
+}
+
+Result<MadeUnit> TilesetExport::make(const QuantizedMeshSource& source, const Unit& unit) const {
+  MadeUnit made;
+  for (const GeographicTile& tile : source.plan.tiles_of(unit)) {
+    const auto mesh = make_quantized_mesh(source, tile);
+    if (!mesh) return mesh.error();
+    GlbMesh ground = ground_of(*mesh);
+    if (ground.triangles.empty()) continue;
+    auto image = image_of(source.plan, tile, mesh->bounds);
+    if (!image) return image.error();
+    ground.jpeg = std::move(*image);
+    if (ground.jpeg.empty()) ground.texture.clear();
+    TileNote note{mesh->error_m, static_cast<double>(mesh->highest_m), static_cast<double>(mesh->lowest_m)};
+    for (std::size_t i = 0; i < mesh->u.size(); ++i) {
+      note.lowest_m = std::min(note.lowest_m, mesh->metres(i));
+      note.highest_m = std::max(note.highest_m, mesh->metres(i));
+    }
+    made.push_back({tile, note, encode_glb(ground), ground.triangles.size(), ground.positions.size()});
+  }
+  return made;
+}
+
+Status TilesetExport::take(const QuantizedMeshPlan& plan, ExportFolder& folder, std::size_t i,
+                           MadeUnit&& made) {
+  Json line = {{"unit", i}, {"tiles", Json::array()}};
+  for (const MadeTile& t : made) {
+    if (auto status = folder.write(name_of(t.tile) + ".glb", t.glb); !status) return status;
+    line["tiles"].push_back({t.tile.level, t.tile.x, t.tile.y, t.note.error_m, t.note.lowest_m,
+                             t.note.highest_m, t.glb.size(), t.vertices, t.triangles});
+    now_.bytes_written += t.glb.size();
+  }
+  const std::string text = line.dump();
+  if (auto status = count(plan, text); !status) return status;
+  if (auto status = folder.append(text); !status) return status;
+  now_.done = i + 1;
+  return progress_(now_)
+             ? Status()
+             : Status(failed(fmt::format("export: cancelled after {} of {} parts", i + 1, now_.total)));
+}
+
+Status TilesetExport::count(const QuantizedMeshPlan& plan, const std::string& line) {
+  const Json json = Json::parse(line, nullptr, false);
+  if (!json.is_object() || !json.contains("tiles"))
+    return bad_data(options_.target.string() + ".part: journal: expected a finished part, found " + line);
+  for (const Json& t : json.at("tiles")) {
+    const GeographicTile tile{t.at(0).get<int>(), t.at(1).get<std::int64_t>(), t.at(2).get<std::int64_t>()};
+    const TileNote note{t.at(3).get<double>(), t.at(4).get<double>(), t.at(5).get<double>()};
+    tiles_[{tile.level, tile.x, tile.y}] = note;
+    ExportLevel& level = levels_[tile.level];
+    level.level = tile.level;
+    ++level.tiles;
+    level.bytes += t.at(6).get<std::uint64_t>();
+    level.vertices += t.at(7).get<std::uint64_t>();
+    level.triangles += t.at(8).get<std::uint64_t>();
+    level.bound_m = std::max(level.bound_m, plan.bound_m(tile));
+    if (note.error_m <= level.max_error_m && !level.worst.empty()) continue;
+    level.max_error_m = note.error_m;
+    level.worst = name_of(tile);
+  }
+  return {};
+}
+
+Status TilesetExport::make_units(const QuantizedMeshSource& source, ExportFolder& folder, std::size_t first,
+                                 std::size_t end, std::size_t in_flight) {
+  return run_in_order<MadeUnit>(
+      first, end, in_flight, [&](std::size_t i) { return make(source, units_[i]); },
+      [&](std::size_t i, MadeUnit&& made) { return take(source.plan, folder, i, std::move(made)); });
+}
+
+std::vector<GeographicTile> TilesetExport::children_of(const GeographicTile& tile) const {
+  std::vector<GeographicTile> children;
+  for (int q = 0; q < 4; ++q) {
+    const GeographicTile child{tile.level + 1, 2 * tile.x + (q & 1), 2 * tile.y + (q >> 1)};
+    if (tiles_.contains({child.level, child.x, child.y})) children.push_back(child);
+  }
+  return children;
+}
+
+/// A tile's error is no smaller than those below it, and its volume holds theirs.
+void TilesetExport::gather() {
+  for (auto at = tiles_.rbegin(); at != tiles_.rend(); ++at) {
+    const auto& [level, x, y] = at->first;
+    if (level == 0) continue;
+    const auto parent = tiles_.find({level - 1, x / 2, y / 2});
+    if (parent == tiles_.end()) continue;
+    TileNote& note = parent->second;
+    note.error_m = std::max(note.error_m, at->second.error_m);
+    note.lowest_m = std::min(note.lowest_m, at->second.lowest_m);
+    note.highest_m = std::max(note.highest_m, at->second.highest_m);
+  }
+}
+
+/// The tiles that none above holds. Coarse tiles have no mesh where the ground lies between their vertices.
+std::vector<GeographicTile> TilesetExport::roots() const {
+  std::vector<GeographicTile> found;
+  for (const auto& [key, note] : tiles_) {
+    const auto& [level, x, y] = key;
+    if (level == 0 || !tiles_.contains({level - 1, x / 2, y / 2})) found.push_back({level, x, y});
+  }
+  return found;
+}
+
+Json TilesetExport::node_of(const GeographicTile& tile) const {
+  const TileNote& note = tiles_.at({tile.level, tile.x, tile.y});
+  const TickRect rect = tile.rect();
+  const LonLat low = place_of(rect.west, rect.south), high = place_of(rect.east, rect.north);
+  constexpr double kRadian = std::numbers::pi / 180;
+  return {{"boundingVolume",
+           {{"region",
+             {low.lon * kRadian, low.lat * kRadian, high.lon * kRadian, high.lat * kRadian, note.lowest_m,
+              note.highest_m}}}},
+          {"geometricError", note.error_m},
+          {"refine", "REPLACE"}};
+}
+
+/// A file with some levels of tiles from these on, and the files that go on below them.
+Status TilesetExport::write_tileset(const ExportFolder& folder, const std::vector<GeographicTile>& roots,
+                                    const std::string& name) const {
+  const std::string up = name == kTilesetName ? "" : "../../";
+  std::vector<GeographicTile> others;
+  const auto build = [&](const auto& self, const GeographicTile& tile, int left) -> Json {
+    Json node = node_of(tile);
+    const std::vector<GeographicTile> children = children_of(tile);
+    if (left == 0 && !children.empty()) {
+      others.push_back(tile);
+      node["content"] = {{"uri", up + name_of(tile) + ".json"}};
+      return node;
+    }
+    node["content"] = {{"uri", up + name_of(tile) + ".glb"}};
+    for (const GeographicTile& child : children) node["children"].push_back(self(self, child, left - 1));
+    return node;
+  };
+  Json tree = build(build, roots.front(), kLevelsOfFile);
+  if (roots.size() > 1) {
+    Json all = {{"boundingVolume", tree["boundingVolume"]}, {"geometricError", 0}, {"refine", "REPLACE"}};
+    Json& region = all["boundingVolume"]["region"];
+    others.clear();
+    for (const GeographicTile& root : roots) {
+      Json node = build(build, root, kLevelsOfFile);
+      const Json& own = node["boundingVolume"]["region"];
+      for (const std::size_t i : {0, 1, 4})
+        region[i] = std::min(region[i].get<double>(), own[i].get<double>());
+      for (const std::size_t i : {2, 3, 5})
+        region[i] = std::max(region[i].get<double>(), own[i].get<double>());
+      all["geometricError"] =
+          std::max(all["geometricError"].get<double>(), node["geometricError"].get<double>());
+      all["children"].push_back(std::move(node));
+    }
+    tree = std::move(all);
+  }
+  // What is missing where no tile is drawn: all of the relief, if that is more than the root's error.
+  const Json& region = tree["boundingVolume"]["region"];
+  const double relief = region[5].get<double>() - region[4].get<double>();
+  const Json file = {{"asset", {{"version", "1.1"}, {"generator", fmt::format("cairn {}", CAIRN_VERSION)}}},
+                     {"geometricError", std::max(relief, tree["geometricError"].get<double>())},
+                     {"root", tree}};
+  if (auto status = folder.write(name, file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+      !status)
+    return status;
+  for (const GeographicTile& other : others)
+    if (auto status = write_tileset(folder, {other}, name_of(other) + ".json"); !status) return status;
+  return {};
+}
+
+Result<ExportReport> TilesetExport::run() {
+  if (options_.levels && options_.levels->coarsest != 0)
+    return usage_error(fmt::format("levels: expected them from 0 on, found {} to {}",
+                                   options_.levels->coarsest, options_.levels->finest));
+  const auto datum = datum_of(pack_, options_);
+  if (!datum) return datum.error();
+  const auto shift =
+      vertical_shift(*datum, options_.heights.value_or(ExportHeights::ellipsoidal), options_.geoid);
+  if (!shift) return shift.error();
+  const PackPatches patches(pack_, accuracy_.finest_error_m);
+  QuantizedMeshPlan::Options wanted{options_.region, std::nullopt, options_.max_error_m, bool(shift->metres)};
+  if (options_.levels) wanted.finest = options_.levels->finest;
+  const auto plan = QuantizedMeshPlan::make(pack_, patches, accuracy_.finest_error_m, wanted);
+  if (!plan) return plan.error();
+  auto folder = ExportFolder::begin(options_.target, identity(*datum), options_.resume);
+  if (!folder) return folder.error();
+  units_ = plan->units();
+  now_ = {"export", 0, units_.size(), 0};
+  for (const std::string& line : folder->done())
+    if (auto status = count(*plan, line); !status) return status.error();
+  const std::size_t tile_bytes =
+      static_cast<std::size_t>(pack_.header().tile_size) * pack_.header().tile_size * sizeof(float);
+  const std::size_t fixed = kProgramBytes + static_cast<std::size_t>(options_.threads) * kThreadBytes;
+  const std::size_t spare = options_.memory_bytes > fixed ? options_.memory_bytes - fixed : 0;
+  MetreTiles tiles(pack_, std::max<std::size_t>(8, spare / tile_bytes));
+  const QuantizedMeshSource source{*plan, patches, tiles, *shift};
+  const auto large = static_cast<std::size_t>(
+      std::find_if(units_.begin(), units_.end(), [](const Unit& u) { return u.level > kLargeTileLevel; }) -
+      units_.begin());
+  const std::size_t done = folder->done().size();
+  tbb::task_arena arena(options_.threads);
+  const Status made = arena.execute([&]() -> Status {
+    if (auto status = make_units(source, *folder, std::min(done, large), large, 1); !status) return status;
+    return make_units(source, *folder, std::max(done, large), units_.size(),
+                      static_cast<std::size_t>(options_.threads) + 1);
+  });
+  if (!made) return made.error();
+  if (tiles_.empty())
+    return failed(pack_.path().string() + ": expected heights in the region, the pack has none");
+  gather();
+  if (auto status = write_tileset(*folder, roots(), kTilesetName); !status) return status.error();
+  ExportReport report;
+  report.datum = shift->datum;
+  for (const auto& [number, level] : levels_) report.levels.push_back(level);
+  if (auto status = folder->finish(); !status) return status.error();
+  return report;
+}
+
+Result<ExportReport> write(const PackReader& pack, const ExportOptions& options,
+                           const ProgressCallback& progress) {
+  if (!pack.levels(Layer::heights))
+    return bad_data(pack.path().string() + ": expected height tiles, found none");
+  return TilesetExport(pack, options, progress).run();
+}
+
+}  // namespace
+
+extern const ExportFormat tiles_3d_exporter;
+const ExportFormat tiles_3d_exporter{
+    "3dtiles", "a folder of 3D Tiles 1.1 with tileset.json: glTF meshes, the imagery on them", write};
+
+}  // namespace cairn
