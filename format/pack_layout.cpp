@@ -96,7 +96,7 @@ Status check_fields(const PackHeader& h) {
   if (!std::isfinite(h.quantum_m) || h.quantum_m <= 0) {
     return field_error("quantum", "a finite length above 0 m", std::to_string(h.quantum_m));
   }
-  const Body& body = h.body;
+  const Ellipsoid& body = h.body.shape;
   if (!std::isfinite(body.semi_major_m) || !(body.semi_minor_m > 0) ||
       body.semi_minor_m > body.semi_major_m) {
     return field_error("semi-axes", "finite lengths, 0 < minor <= major",
@@ -164,8 +164,8 @@ std::array<std::byte, kPackHeaderBytes> encode_header(const PackHeader& header) 
   out.write(std::uint32_t{0});
   out.write(header.quantum_m);
   append_text(header.body.name, kBodyNameBytes, bytes);
-  out.write(header.body.semi_major_m);
-  out.write(header.body.semi_minor_m);
+  out.write(header.body.shape.semi_major_m);
+  out.write(header.body.shape.semi_minor_m);
   append_text(header.datum_name(), kDatumNameBytes, bytes);
   out.write(header.entry_count);
   out.write(header.index_offset);
@@ -196,8 +196,8 @@ Result<PackHeader> decode_header(std::span<const std::byte> bytes) {
   const auto first_reserved = in.read<std::uint32_t>();
   h.quantum_m = in.read<double>();
   const auto body_name = text_of(in.take(kBodyNameBytes));
-  h.body.semi_major_m = in.read<double>();
-  h.body.semi_minor_m = in.read<double>();
+  h.body.shape.semi_major_m = in.read<double>();
+  h.body.shape.semi_minor_m = in.read<double>();
   const auto datum = text_of(in.take(kDatumNameBytes));
   h.entry_count = in.read<std::uint64_t>();
   h.index_offset = in.read<std::uint64_t>();

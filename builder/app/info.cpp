@@ -99,8 +99,8 @@ void print_text(const PackReader& pack, const Json& info) {
   fmt::print("tiles          {0}x{0} samples in steps of {1} m, vertical datum {2}\n", header.tile_size,
              header.quantum_m, header.datum_name());
   if (header.body != Body())
-    fmt::print("body           {}, semi-axes {} m and {} m\n", header.body.name, header.body.semi_major_m,
-               header.body.semi_minor_m);
+    fmt::print("body           {}, semi-axes {} m and {} m\n", header.body.name,
+               header.body.shape.semi_major_m, header.body.shape.semi_minor_m);
   fmt::print("bounds         west {} south {} east {} north {}\n", number(b, "west"), number(b, "south"),
              number(b, "east"), number(b, "north"));
   if (!info["levels"].empty()) {

@@ -45,8 +45,8 @@ std::vector<ValueDifference> diff_headers(const PackHeader& a, const PackHeader&
   note(out, "quantum_m", a.quantum_m, b.quantum_m);
   note(out, "vertical_datum", a.datum_name(), b.datum_name());
   note(out, "body", a.body.name, b.body.name);
-  note(out, "semi_major_m", a.body.semi_major_m, b.body.semi_major_m);
-  note(out, "semi_minor_m", a.body.semi_minor_m, b.body.semi_minor_m);
+  note(out, "semi_major_m", a.body.shape.semi_major_m, b.body.shape.semi_major_m);
+  note(out, "semi_minor_m", a.body.shape.semi_minor_m, b.body.shape.semi_minor_m);
   return out;
 }
 

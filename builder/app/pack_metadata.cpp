@@ -97,8 +97,8 @@ nlohmann::ordered_json describe_pack_file(const PackReader& pack, const nlohmann
   info["tile_size"] = header.tile_size;
   info["quantum_m"] = header.quantum_m;
   info["body"] = {{"name", header.body.name},
-                  {"semi_major_m", header.body.semi_major_m},
-                  {"semi_minor_m", header.body.semi_minor_m}};
+                  {"semi_major_m", header.body.shape.semi_major_m},
+                  {"semi_minor_m", header.body.shape.semi_minor_m}};
   info["vertical_datum"] = header.datum_name();
   info["bounds"] = of("bounds");
   info["error_bound_m"] = of("error_bound_m");

@@ -151,8 +151,8 @@ OGRSpatialReference crs_of(Layer layer, const PackHeader& header) {
   if (body == Body()) {
     crs.SetFromUserInput(earth_crs_of(layer, header.vertical_datum));
   } else {
-    const double flattening = 1 - body.semi_minor_m / body.semi_major_m;
-    crs.SetGeogCS(body.name.c_str(), body.name.c_str(), body.name.c_str(), body.semi_major_m,
+    const double flattening = 1 - body.shape.semi_minor_m / body.shape.semi_major_m;
+    crs.SetGeogCS(body.name.c_str(), body.name.c_str(), body.name.c_str(), body.shape.semi_major_m,
                   flattening > 0 ? 1 / flattening : 0, "Reference meridian", 0);
   }
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);

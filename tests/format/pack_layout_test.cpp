@@ -112,7 +112,7 @@ TEST_CASE("a header with a right checksum and an impossible field is refused, an
   }
   for (const double axis : {0.0, -1.0, 7e6, std::nan("")}) {
     h = some_header();
-    h.body.semi_minor_m = axis;
+    h.body.shape.semi_minor_m = axis;
     says(decode_changed(h, nothing), "semi-axes");
   }
   h = some_header();

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "cairn/body.h"
 #include "cairn/status.h"
 #include "cairn/tile_id.h"
 
@@ -23,15 +24,6 @@ inline constexpr std::size_t kPackStartBytes = 16384;  ///< header and root; the
 /// The surface that heights are measured from.
 enum class VerticalDatum : std::uint8_t { unknown = 0, egm96 = 1, ellipsoid = 2 };
 const char* to_string(VerticalDatum datum);
-
-/// The ellipsoid of revolution on which the grid's longitudes and latitudes are.
-struct Body {
-  std::string name = "Earth";  ///< UTF-8, at most 31 bytes
-  double semi_major_m = 6378137.0;
-  double semi_minor_m = 6356752.314245179;
-
-  friend bool operator==(const Body&, const Body&) = default;
-};
 
 /// A hash of all bytes of a pack.
 using PackId = std::array<std::byte, 16>;
