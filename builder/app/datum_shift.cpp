@@ -20,6 +20,10 @@ Result<DatumShift> DatumShift::open(const PackReader& pack, To to) {
   DatumShift shift;
   const VerticalDatum datum = pack.header().vertical_datum;
   if (to == To::stored) return shift;
+  if (to == To::orthometric && !pack.header().body.is_earth())
+    return usage_error(pack.path().string() +
+                       ": vertical datum: expected the Earth for the geoid EGM96, found " +
+                       pack.header().body.name);
   if (datum == VerticalDatum::unknown)
     return usage_error(pack.path().string() + ": vertical datum: expected a known one, found unknown");
   const bool is_ellipsoidal = datum == VerticalDatum::ellipsoid;

@@ -45,6 +45,7 @@ Result<RegionPlan> plan_grid(const PackReader& pack, GeoGrid posts, double colum
                     columns, rows));
   posts.columns = static_cast<int>(columns);
   posts.rows = static_cast<int>(rows);
+  posts.body = pack.header().body;
   return RegionPlan{{posts, pack.header().vertical_datum, false}, level};
 }
 

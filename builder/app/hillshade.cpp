@@ -13,11 +13,11 @@
 
 #include "builder/app/bake_progress.h"
 #include "builder/app/export_target.h"
-#include "builder/export/grid_sampler.h"
 #include "builder/app/pack_metadata.h"
 #include "builder/app/region_argument.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
+#include "builder/export/grid_sampler.h"
 #include "builder/export/hillshade_shading.h"
 #include "builder/export/picture_writer.h"
 #include "cairn/remote_pack.h"
@@ -25,10 +25,9 @@
 namespace cairn {
 namespace {
 
-constexpr int kMostPixels = 65536;          // along a side
-constexpr int kDefaultPixels = 1024;        // along the longer side
-constexpr double kMetresADegree = 111'195;  // on a sphere of 6371 km; for light, near enough
-constexpr int kBandRows = 64;               // of the picture, shaded at a time
+constexpr int kMostPixels = 65536;    // along a side
+constexpr int kDefaultPixels = 1024;  // along the longer side
+constexpr int kBandRows = 64;         // of the picture, shaded at a time
 
 struct HillshadeOptions {
   std::string pack;
@@ -54,6 +53,7 @@ struct Plan {
   int level = 0;  // the finest that the picture can show
   double degrees_a_column = 0;
   double degrees_a_row = 0;
+  double degree_m = 0;  // metres on a sphere of the mean radius; for light, near enough
 };
 
 Result<PictureSize> parse_size(const std::string& text) {
@@ -101,6 +101,8 @@ Result<Plan> make_plan(const HillshadeOptions& options, const PackReader& pack) 
   if (!region) return region.error();
   Plan plan;
   plan.region = *region;
+  const Ellipsoid& body = pack.header().body.shape;
+  plan.degree_m = (2 * body.semi_major_m + body.semi_minor_m) / 3 * std::numbers::pi / 180;
   plan.size = default_size(*region);
   if (!options.size.empty()) {
     const Result<PictureSize> size = parse_size(options.size);
@@ -137,7 +139,7 @@ ReliefStyle style_for(const PackReader& pack, const Plan& plan, const HillshadeO
   ReliefStyle style;
   style.highest_m = highest;
   style.deepest_m = deepest;
-  style.row_spacing_m = plan.degrees_a_row * kMetresADegree;
+  style.row_spacing_m = plan.degrees_a_row * plan.degree_m;
   style.exaggeration = options.z.value_or(relief_exaggeration(2 * style.row_spacing_m));
   style.azimuth_deg = options.azimuth_deg;
   style.altitude_deg = options.altitude_deg;
@@ -160,7 +162,7 @@ Status draw_band(GridSampler& sampler, const Plan& plan, ReliefStyle style, int 
   for (int r = 0; r < rows; ++r) {
     const double lat = plan.region.north - (2 * (first + r) + 1) * plan.degrees_a_row;
     style.column_spacing_m =
-        plan.degrees_a_column * kMetresADegree * std::max(0.01, std::cos(lat * std::numbers::pi / 180));
+        plan.degrees_a_column * plan.degree_m * std::max(0.01, std::cos(lat * std::numbers::pi / 180));
     for (int half = 0; half < 2; ++half) shade_row(field, 2 * r + half + 1, style, fine[half]);
     const auto inner = [&](int half) { return std::span(fine[half]).subspan(4, 2 * out.size()); };
     halve_rows(inner(0), inner(1), out);
@@ -171,8 +173,8 @@ Status draw_band(GridSampler& sampler, const Plan& plan, ReliefStyle style, int 
 
 Status draw(const PackReader& pack, const Plan& plan, const HillshadeOptions& options) {
   const GeoBounds& region = plan.region;
-  const GeoGrid area{plan.size.columns,         plan.size.rows,        region.west, region.north,
-                     2 * plan.degrees_a_column, 2 * plan.degrees_a_row};
+  const GeoGrid area{plan.size.columns,         plan.size.rows,         region.west,       region.north,
+                     2 * plan.degrees_a_column, 2 * plan.degrees_a_row, pack.header().body};
   auto picture = create_picture(options.output, area);
   if (!picture) return picture.error();
   const ReliefStyle style = style_for(pack, plan, options);

@@ -10,8 +10,9 @@ namespace cairn {
 HeightGrid grid_of(const HeightTile& tile, const TileId& id, const PackHeader& header) {
   const GeoBounds bounds = tile_bounds(id);
   const double spacing = bounds.width() / (tile.size - 1);
-  HeightGrid grid{
-      {tile.size, tile.size, bounds.west, bounds.north, spacing, spacing}, header.vertical_datum, true};
+  HeightGrid grid{{tile.size, tile.size, bounds.west, bounds.north, spacing, spacing, header.body},
+                  header.vertical_datum,
+                  true};
   const HeightRows rows = rows_of(tile, header);
   std::vector<double> metres(static_cast<std::size_t>(tile.size));
   for (int row = 0; row < tile.size && grid.whole_metres; ++row) {

@@ -4,6 +4,7 @@
 #include <cstdarg>
 #include <cstdint>
 #include <cstdio>
+#include <initializer_list>
 #include <iterator>
 #include <string>
 #include <system_error>
@@ -20,6 +21,8 @@ namespace {
 constexpr ttag_t kModelPixelScale = 33550;
 constexpr ttag_t kModelTiepoint = 33922;
 constexpr ttag_t kGeoKeyDirectory = 34735;
+constexpr ttag_t kGeoDoubleParams = 34736;
+constexpr ttag_t kGeoAsciiParams = 34737;
 constexpr ttag_t kGdalNodata = 42113;
 constexpr double kMostClassicBytes = 3.5e9;
 
@@ -32,6 +35,10 @@ void declare_tags(TIFF* tiff) {
        const_cast<char*>("ModelTiepoint")},
       {kGeoKeyDirectory, TIFF_VARIABLE, TIFF_VARIABLE, TIFF_SHORT, FIELD_CUSTOM, 1, 1,
        const_cast<char*>("GeoKeyDirectory")},
+      {kGeoDoubleParams, TIFF_VARIABLE, TIFF_VARIABLE, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1,
+       const_cast<char*>("GeoDoubleParams")},
+      {kGeoAsciiParams, TIFF_VARIABLE, TIFF_VARIABLE, TIFF_ASCII, FIELD_CUSTOM, 1, 0,
+       const_cast<char*>("GeoAsciiParams")},
       {kGdalNodata, TIFF_VARIABLE, TIFF_VARIABLE, TIFF_ASCII, FIELD_CUSTOM, 1, 0,
        const_cast<char*>("GDAL_NODATA")},
   };
@@ -100,18 +107,58 @@ struct TiffWriter::State {
     constexpr std::uint16_t kArea = 1, kPoint = 2;
     const double scale[] = {geo.column_degrees, geo.row_degrees, 0};
     const double tiepoint[] = {0, 0, 0, geo.west, geo.north, 0};
-    std::vector<std::uint16_t> keys{1,    1, 1, 4,  // version 1.1.1, count of keys
+    std::vector<std::uint16_t> keys{1,    1, 1, 0,  // version 1.1.1, count of keys
                                     1024, 0, 1, 2,  // model: geographic
-                                    1025, 0, 1, pixel == Pixel::rgba8 ? kArea : kPoint,
-                                    2048, 0, 1, 4326,   // WGS 84
-                                    2054, 0, 1, 9102};  // degrees
-    if (datum == VerticalDatum::egm96) {
-      keys.insert(keys.end(), {4096, 0, 1, 5773, 4099, 0, 1, 9001});  // EGM96 height, metres
-      keys[3] = 6;
+                                    1025, 0, 1, pixel == Pixel::rgba8 ? kArea : kPoint};
+    const auto add = [&keys](std::initializer_list<std::uint16_t> more) { keys.insert(keys.end(), more); };
+    if (geo.body.is_earth()) {
+      add({2048, 0, 1, 4326,    // WGS 84
+           2054, 0, 1, 9102});  // degrees
+    } else if (!add_body_keys(geo.body, keys)) {
+      return false;
     }
+    if (datum == VerticalDatum::egm96) add({4096, 0, 1, 5773, 4099, 0, 1, 9001});  // EGM96 height, metres
+    keys[3] = static_cast<std::uint16_t>(keys.size() / 4 - 1);
     return TIFFSetField(tiff, kModelPixelScale, 3, scale) == 1 &&
            TIFFSetField(tiff, kModelTiepoint, 6, tiepoint) == 1 &&
            TIFFSetField(tiff, kGeoKeyDirectory, static_cast<int>(keys.size()), keys.data()) == 1;
+  }
+
+  /// Degrees on an ellipsoid that is spelt out. Only the name says that latitudes are planetographic.
+  bool add_body_keys(const Body& body, std::vector<std::uint16_t>& keys) {
+    constexpr std::uint16_t kUserDefined = 32767;
+    const std::string name = body.name + (body.shape.is_sphere() ? "|" : " / Ographic|");
+    const double axes[] = {body.shape.semi_major_m, body.shape.semi_minor_m};
+    keys.insert(keys.end(), {2048,
+                             0,
+                             1,
+                             kUserDefined,
+                             2049,
+                             kGeoAsciiParams,
+                             static_cast<std::uint16_t>(name.size()),
+                             0,
+                             2050,
+                             0,
+                             1,
+                             kUserDefined,
+                             2054,
+                             0,
+                             1,
+                             9102,  // degrees
+                             2056,
+                             0,
+                             1,
+                             kUserDefined,
+                             2057,
+                             kGeoDoubleParams,
+                             1,
+                             0,
+                             2058,
+                             kGeoDoubleParams,
+                             1,
+                             1});
+    return TIFFSetField(tiff, kGeoDoubleParams, 2, axes) == 1 &&
+           TIFFSetField(tiff, kGeoAsciiParams, name.c_str()) == 1;
   }
 
   template <class T>

@@ -10,8 +10,8 @@
 
 namespace cairn {
 
-/// Where the pixels of a georeferenced picture lie: on a regular grid of degrees on WGS84, rows from NORTH to
-/// south.
+/// Where the pixels of a georeferenced picture lie: on a regular grid of degrees on a body, rows from NORTH
+/// to south.
 struct GeoGrid {
   int columns = 0;
   int rows = 0;
@@ -19,10 +19,12 @@ struct GeoGrid {
   double north = 0;           ///< degrees, of the first row's posts, or of its outer edge
   double column_degrees = 0;  ///< from one column to the next
   double row_degrees = 0;     ///< from one row to the next; above zero
+  Body body = {};
 };
 
-/// A GeoTIFF 1.1 (OGC 19-008r4) in EPSG:4326 that is written row by row beside its target, as `TARGET.part`,
-/// and renamed when whole. Deflated; a BigTIFF where it may pass 4 GiB.
+/// A GeoTIFF 1.1 (OGC 19-008r4) in EPSG:4326, or in degrees on another body's ellipsoid, that is written row
+/// by row beside its target, as `TARGET.part`, and renamed when whole. Deflated; a BigTIFF where it may pass
+/// 4 GiB.
 class TiffWriter {
  public:
   enum class Pixel {

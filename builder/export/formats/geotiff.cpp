@@ -40,7 +40,8 @@ Result<GeoGrid> samples_in(const PackReader& pack, const GeoBounds& region, int 
                     "has fewer",
                     kMostPosts, columns, rows));
   return GeoGrid{
-      static_cast<int>(columns), static_cast<int>(rows), west * spacing, north * spacing, spacing, spacing};
+      static_cast<int>(columns), static_cast<int>(rows), west * spacing, north * spacing, spacing, spacing,
+      pack.header().body};
 }
 
 using CopyAsCog = void (*)(const std::filesystem::path& from, const std::filesystem::path& to, Status& out);
