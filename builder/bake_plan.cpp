@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "builder/bake/memory_budget.h"
+#include "builder/raster/body_placement.h"
 #include "builder/raster/footprint.h"
 #include "builder/raster/gdal_name.h"
 
@@ -31,6 +32,24 @@ bool has_gdal_source(const RasterPool& pool) {
   for (std::size_t s = 0; s < pool.size(); ++s)
     if (pool.info(s).format.starts_with("gdal")) return true;
   return false;
+}
+
+// EGM96 is a geoid of the Earth.
+Status check_datum(const BakePlan& layers, const BuildOptions& options) {
+  const bool is_egm96 = layers.heights && layers.heights->datum().datum == VerticalDatum::egm96;
+  if (layers.body.is_earth() || !is_egm96) return {};
+  return bad_data(options.mosaic.inputs.front().string() + ": vertical datum: expected one of " +
+                  layers.body.name + ", found egm96");
+}
+
+Result<Body> body_of_sources(const BakePlan& layers) {
+  std::vector<const RasterInfo*> infos;
+  const auto add = [&infos](const RasterPool& pool) {
+    for (std::size_t s = 0; s < pool.size(); ++s) infos.push_back(&pool.info(s));
+  };
+  if (layers.heights) add(layers.heights->pool());
+  if (layers.imagery) add(layers.imagery->pool());
+  return common_body(infos);
 }
 
 // The layers are baked one after the other, and the heights' sources closed in between.
@@ -84,6 +103,10 @@ Result<BakePlan> plan_bake(const BuildOptions& options, int threads) {
     if (!layers.heights && layers.imagery_tree->leaf_count() == 0)
       return usage_error("region: expected an area that the sources cover, found none");
   }
+  auto body = body_of_sources(layers);
+  if (!body) return body.error();
+  layers.body = std::move(*body);
+  if (auto datum = check_datum(layers, options); !datum) return datum.error();
   share_memory(options, threads, layers);
   return layers;
 }

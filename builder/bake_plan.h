@@ -9,6 +9,7 @@
 #include "builder/heights/height_plan.h"
 #include "builder/imagery/imagery_mosaic.h"
 #include "builder/mosaic/mosaic.h"
+#include "cairn/body.h"
 #include "cairn/build_options.h"
 
 namespace cairn {
@@ -19,6 +20,7 @@ struct BakePlan {
   std::optional<HeightPlan> plan;          ///< of the heights
   std::unique_ptr<ImageryMosaic> imagery;  ///< null where there are no images
   std::optional<TileTree> imagery_tree;
+  Body body;  ///< of all sources
 
   /// The area of all sources.
   GeoBounds bounds() const;

@@ -18,6 +18,7 @@
 #include "builder/imagery/imagery_layer.h"
 #include "builder/options_json.h"
 #include "builder/pack_metadata.h"
+#include "builder/raster/body_placement.h"
 #include "format/pack_writer.h"
 
 namespace cairn {
@@ -28,6 +29,7 @@ constexpr std::string_view kAccuracy = "accuracy: ";  // how the error of an exc
 PackHeader header_for(const BakePlan& layers, const BuildOptions& options) {
   PackHeader header;
   header.tile_size = static_cast<std::uint16_t>(options.grid.tile_size);
+  header.body = layers.body;
   if (layers.heights) header.vertical_datum = layers.heights->datum().datum;
   if (layers.plan) header.quantum_m = layers.plan->quantum_m();
   return header;
@@ -184,6 +186,8 @@ std::vector<Remedy> remedies_for(const Error& error, const BuildOptions& options
     return {};
   }
   std::vector<Remedy> remedies;
+  if (message.ends_with(kBodyUnsettled)) remedies.push_back(Remedy::tell_body);
+  if (message.ends_with(kLatitudeUnsettled)) remedies.push_back(Remedy::tell_latitude);
   if (message.starts_with(kAccuracy)) remedies.push_back(Remedy::accept_error);
   const bool may_succeed = options.session.resume || error.code == ErrorCode::failed;
   if (may_succeed && Journal::fingerprint_of(options.session.target)) remedies.push_back(Remedy::resume);

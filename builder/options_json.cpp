@@ -40,6 +40,18 @@ struct Words<VerticalDatum> {
 };
 
 template <>
+struct Words<LatitudeKind> {
+  static constexpr std::array<std::pair<LatitudeKind, const char*>, 2> all{
+      {{LatitudeKind::planetographic, "planetographic"}, {LatitudeKind::planetocentric, "planetocentric"}}};
+};
+
+template <>
+struct Words<LongitudeSense> {
+  static constexpr std::array<std::pair<LongitudeSense, const char*>, 2> all{
+      {{LongitudeSense::east, "east"}, {LongitudeSense::west, "west"}}};
+};
+
+template <>
 struct Words<TextureFormat> {
   static constexpr std::array<std::pair<TextureFormat, const char*>, 3> all{
       {{TextureFormat::bc1, "bc1"}, {TextureFormat::bc3, "bc3"}, {TextureFormat::bc7, "bc7"}}};
@@ -139,10 +151,19 @@ class OptionReader {
   Status status_;
 };
 
+void write_source_rules(Json& json, const std::vector<SourceRule>& rules) {
+  for (const SourceRule& rule : rules) {
+    Json said = to_json(rule.overrides);
+    said["pattern"] = rule.glob;
+    json["sources"].push_back(said);
+  }
+}
+
 Json json_of(const ImageryOptions& o) {
-  const auto& [inputs, bounds, format, quality, feather_pixels] = o;
+  const auto& [inputs, source_rules, bounds, format, quality, feather_pixels] = o;
   Json json{{"format", word_for(format)}, {"quality", word_for(quality)}, {"feather_pixels", feather_pixels}};
   write(json, "bounds", bounds);
+  write_source_rules(json, source_rules);
   return json;
 }
 
@@ -161,6 +182,9 @@ Status read_source_rules(const OptionReader& reader, std::vector<SourceRule>& ru
     said.read("offset", rule.overrides.offset);
     said.read("unit", rule.overrides.unit);
     said.read("crs", rule.overrides.crs);
+    said.read("body", rule.overrides.body);
+    said.read("latitude", rule.overrides.latitude);
+    said.read("longitude", rule.overrides.longitude);
     said.read("priority", rule.overrides.priority);
     if (!said.status()) return said.status();
   }
@@ -170,7 +194,7 @@ Status read_source_rules(const OptionReader& reader, std::vector<SourceRule>& ru
 }  // namespace
 
 nlohmann::ordered_json to_json(const SourceOverrides& said) {
-  const auto& [band, nodata, scale, offset, unit, crs, priority] = said;
+  const auto& [band, nodata, scale, offset, unit, crs, body, latitude, longitude, priority] = said;
   Json json = Json::object();
   write(json, "band", band);
   write(json, "nodata", nodata);
@@ -178,6 +202,9 @@ nlohmann::ordered_json to_json(const SourceOverrides& said) {
   write(json, "offset", offset);
   write(json, "unit", unit);
   write(json, "crs", crs);
+  write(json, "body", body);
+  write(json, "latitude", latitude);
+  write(json, "longitude", longitude);
   write(json, "priority", priority);
   return json;
 }
@@ -193,11 +220,7 @@ nlohmann::ordered_json to_json(const BuildOptions& options) {
             {"void", word_for(voids)},
             {"fade", fade_posts}};
   write(json, "datum", datum);
-  for (const SourceRule& rule : source_rules) {
-    Json said = to_json(rule.overrides);
-    said["pattern"] = rule.glob;
-    json["sources"].push_back(said);
-  }
+  write_source_rules(json, source_rules);
   write(json, "level", level);
   write(json, "top", top);
   write(json, "region", region);
@@ -230,6 +253,7 @@ Result<BuildOptions> from_json(const nlohmann::json& json) {
   if (imagery == nullptr) return options;
   if (!imagery->is_object()) return bad_data("options: imagery: expected an object, found another type");
   OptionReader images(*imagery);
+  if (auto rules = read_source_rules(images, options.imagery.source_rules); !rules) return rules.error();
   images.read("bounds", options.imagery.bounds);
   images.read("format", options.imagery.format);
   images.read("quality", options.imagery.quality);

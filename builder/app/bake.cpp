@@ -90,7 +90,7 @@ Status find_inputs(const std::vector<std::string>& arguments, const InputSearch&
 Status check_rules(const MosaicOptions& mosaic) {
   for (const SourceRule& rule : mosaic.source_rules) {
     const auto matches = [&](const std::filesystem::path& dem) { return matches_glob(dem, rule.glob); };
-    if (std::any_of(mosaic.inputs.begin(), mosaic.inputs.end(), matches)) continue;
+    if (rule.glob == "*" || std::any_of(mosaic.inputs.begin(), mosaic.inputs.end(), matches)) continue;
     return usage_error(fmt::format("--sources: expected patterns that DEMs match, found {}", rule.glob));
   }
   return {};
@@ -114,6 +114,7 @@ Result<BuildOptions> options_from(const BakeArguments& arguments) {
   auto rules = source_rules(arguments.sources);
   if (!rules) return rules.error();
   options.mosaic.source_rules = std::move(*rules);
+  options.imagery.source_rules = image_rules(arguments.sources);
   if (auto status = check_rules(options.mosaic); !status) return status.error();
   if (auto status = find_inputs(arguments.images, arguments.search, options.imagery.inputs); !status)
     return status.error();
@@ -149,6 +150,10 @@ std::string words_for(Remedy remedy, const BuildOptions& options) {
       return "--force replaces it";
     case Remedy::accept_error:
       return "--allow-error bakes all the same";
+    case Remedy::tell_body:
+      return "--body NAME,a,b says which";
+    case Remedy::tell_latitude:
+      return "--latitude planetographic or planetocentric says it";
     case Remedy::resume:
       return fmt::format("what is baked stays in {}.part, and --resume goes on from there",
                          options.session.target.string());

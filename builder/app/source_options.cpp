@@ -5,10 +5,13 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <sstream>
 
 #include <fmt/format.h>
 
+#include "builder/app/one_of.h"
+#include "builder/raster/body_placement.h"
 #include "builder/raster/source_overrides.h"
 
 namespace cairn {
@@ -35,6 +38,22 @@ bool read_text(std::string_view text, std::optional<std::string>& out) {
   return !text.empty();
 }
 
+template <class Words, class T>
+bool read_word(std::string_view text, const Words& words, std::optional<T>& out) {
+  const auto found = words.find(std::string(text));
+  if (found != words.end()) out = found->second;
+  return found != words.end();
+}
+
+const std::map<std::string, LatitudeKind> kLatitudes{{"planetocentric", LatitudeKind::planetocentric},
+                                                     {"planetographic", LatitudeKind::planetographic}};
+const std::map<std::string, LongitudeSense> kLongitudes{{"east", LongitudeSense::east},
+                                                        {"west", LongitudeSense::west}};
+
+bool is_body(std::string_view text) {
+  return parse_body(text).ok();
+}
+
 bool read_setting(std::string_view key, std::string_view value, SourceOverrides& said) {
   if (key == "band") return read_number(value, said.band);
   if (key == "nodata") return read_number(value, said.nodata);
@@ -42,6 +61,9 @@ bool read_setting(std::string_view key, std::string_view value, SourceOverrides&
   if (key == "offset") return read_number(value, said.offset);
   if (key == "unit") return read_text(value, said.unit);
   if (key == "crs") return read_text(value, said.crs);
+  if (key == "body") return is_body(value) && read_text(value, said.body);
+  if (key == "latitude") return read_word(value, kLatitudes, said.latitude);
+  if (key == "longitude") return read_word(value, kLongitudes, said.longitude);
   if (key == "priority") return read_number(value, said.priority);
   return false;
 }
@@ -82,7 +104,7 @@ void add_source_options(CLI::App& verb, SourceArguments& arguments) {
       ->allow_extra_args(false);
   verb.add_option("--sources", arguments.file,
                   "file with a line for each pattern of DEMs: PATTERN, then any of band=, nodata=, scale=, "
-                  "offset=, unit=, crs=, priority=")
+                  "offset=, unit=, crs=, body=, latitude=, longitude=, priority=")
       ->check(CLI::ExistingFile);
   verb.add_option("--band", all.band, "band of the DEMs that holds the heights, from 1")
       ->check(CLI::Range(1, 65535));
@@ -96,6 +118,23 @@ void add_source_options(CLI::App& verb, SourceArguments& arguments) {
                   "unit of the heights (m, ft, US survey foot ...), in place of what the DEMs say");
   verb.add_option("--source-crs", all.crs,
                   "CRS of the DEMs as PROJ takes it (EPSG:2056, WKT), in place of what they say");
+  const CLI::Validator body(
+      [](const std::string& text) {
+        const auto parsed = parse_body(text);
+        return parsed ? std::string() : parsed.error().message;
+      },
+      "");
+  verb.add_option(
+          "--body", all.body,
+          "body of all sources, images too, and semi-axes in metres of the pack's ellipsoid: NAME (Mars, "
+          "Moon ...), NAME,a,b or a,b; by default what they say")
+      ->check(body);
+  verb.add_option("--latitude", all.latitude,
+                  "what latitudes on an ellipsoid are, in place of what the sources say")
+      ->transform(one_of(kLatitudes));
+  verb.add_option("--longitude", all.longitude,
+                  "which way longitudes count, in place of what the sources say (old Mars maps: west)")
+      ->transform(one_of(kLongitudes));
 }
 
 Result<std::vector<SourceRule>> parse_source_rules(std::string_view text, const std::string& name) {
@@ -113,8 +152,8 @@ Result<std::vector<SourceRule>> parse_source_rules(std::string_view text, const 
       const std::string value = equals < word.size() ? word.substr(equals + 1) : "";
       if (!read_setting(word.substr(0, equals), value, rule.overrides))
         return usage_error(fmt::format(
-            "{}: line {}: expected band=, nodata=, scale=, offset=, unit=, crs= or priority= with "
-            "a value, found {}",
+            "{}: line {}: expected band=, nodata=, scale=, offset=, unit=, crs=, body=, latitude=, "
+            "longitude= or priority= with a value, found {}",
             name, number, word));
     }
     if (rule.overrides == SourceOverrides{})
@@ -137,6 +176,15 @@ Result<std::vector<SourceRule>> source_rules(const SourceArguments& arguments) {
   if (!of_file) return of_file;
   rules.insert(rules.end(), of_file->begin(), of_file->end());
   return rules;
+}
+
+std::vector<SourceRule> image_rules(const SourceArguments& arguments) {
+  SourceOverrides place;
+  place.body = arguments.all.body;
+  place.latitude = arguments.all.latitude;
+  place.longitude = arguments.all.longitude;
+  if (place == SourceOverrides{}) return {};
+  return {{"*", place}};
 }
 
 Result<std::vector<std::filesystem::path>> chosen_files(std::vector<std::filesystem::path> files,

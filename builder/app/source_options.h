@@ -25,9 +25,12 @@ void add_source_options(CLI::App& verb, SourceArguments& arguments);
 /// The rule for all sources, then those of the file in its order.
 Result<std::vector<SourceRule>> source_rules(const SourceArguments& arguments);
 
+/// What the command line says of images: where all sources lie, DEMs and images.
+std::vector<SourceRule> image_rules(const SourceArguments& arguments);
+
 /// Parses the lines of such a file: a glob pattern and any of band=, nodata=, scale=, offset=, unit=, crs=,
-/// priority=, apart by blanks; a value with blanks stands in "quotes"; # begins a comment. Errors begin with
-/// `name`.
+/// body=, latitude=, longitude=, priority=, apart by blanks; a value with blanks stands in "quotes"; # begins
+/// a comment. Errors begin with `name`.
 Result<std::vector<SourceRule>> parse_source_rules(std::string_view text, const std::string& name);
 
 /// The files that match a pattern of `include`, where there is any, and none of `exclude`. usage_error where

@@ -167,7 +167,8 @@ Result<std::unique_ptr<ImageryMosaic>> ImageryMosaic::open(const ImageryOptions&
   std::unique_ptr<ImageryMosaic> mosaic(new ImageryMosaic);
   mosaic->size_ = size;
   mosaic->feather_pixels_ = options.feather_pixels;
-  auto pool = RasterPool::open(options.inputs, {.bounds = options.bounds}, RasterPool::Content::colours);
+  auto pool = RasterPool::open(options.inputs, {.bounds = options.bounds, .rules = options.source_rules},
+                               RasterPool::Content::colours);
   if (!pool) return pool.error();
   mosaic->pool_ = std::move(*pool);
   for (std::size_t s = 0; s < mosaic->pool_->size(); ++s) mosaic->images_.push_back(mosaic->describe(s));

@@ -27,7 +27,7 @@ std::optional<std::int64_t> Lattice::posts_around() const {
 
 std::optional<LatticePlacement> place_on_lattice(const RasterInfo& info) {
   const Georeference& g = info.georeference;
-  if (g.crs != Georeference::Crs::geographic || g.dx <= 0 || !g.is_straight()) return std::nullopt;
+  if (!g.is_lattice()) return std::nullopt;
   const double south = g.dy > 0 ? g.y0 : g.y0 + g.dy * static_cast<double>(info.rows - 1);
   const LatticeSpan lon = lattice_of(g.x0 + 180.0, g.dx, info.columns);
   const LatticeSpan lat = lattice_of(south + 90.0, std::abs(g.dy), info.rows);

@@ -9,21 +9,21 @@
 namespace cairn {
 namespace {
 
-constexpr double kMetresPerDegree = 111'195;  // on a sphere of the Earth's mean radius
 constexpr double kEqualSpacing = 1.05;
 
-double metres_between(LonLat a, LonLat b) {
+// Along a great circle, nearly.
+double degrees_between(LonLat a, LonLat b) {
   const double lat = (a.lat + b.lat) / 2 * std::numbers::pi / 180;
   const double east = std::remainder(b.lon - a.lon, 360) * std::cos(lat);
-  return std::hypot(east, b.lat - a.lat) * kMetresPerDegree;
+  return std::hypot(east, b.lat - a.lat);
 }
 
 // In the middle of the raster.
-double spacing_m(const RasterInfo& info) {
+double spacing_degrees(const RasterInfo& info) {
   const auto column = static_cast<double>(info.columns / 2), row = static_cast<double>(info.rows / 2);
   const LonLat here = info.georeference.place_of(column, row);
-  return std::max(metres_between(here, info.georeference.place_of(column + 1, row)),
-                  metres_between(here, info.georeference.place_of(column, row + 1)));
+  return std::max(degrees_between(here, info.georeference.place_of(column + 1, row)),
+                  degrees_between(here, info.georeference.place_of(column, row + 1)));
 }
 
 struct Ranked {
@@ -36,7 +36,7 @@ struct Ranked {
 Ranked ranked(const RasterPool& pool, std::unique_ptr<SourceGroup> group) {
   Ranked rank{std::move(group)};
   const RasterInfo& first = pool.info(rank.group->sources().front());
-  rank.spacing = spacing_m(first);
+  rank.spacing = spacing_degrees(first);
   rank.priority = first.overrides.priority.value_or(0);
   return rank;
 }

@@ -19,6 +19,7 @@
 
 #include "builder/bake/memory_budget.h"
 #include "builder/python/errors.h"
+#include "builder/raster/body_placement.h"
 #include "builder/raster/expand_inputs.h"
 #include "cairn/build.h"
 
@@ -131,6 +132,10 @@ std::string words_for(Remedy remedy) {
       return "force=True replaces it";
     case Remedy::accept_error:
       return "allow_error=True bakes all the same";
+    case Remedy::tell_body:
+      return "body=\"NAME,a,b\" says which";
+    case Remedy::tell_latitude:
+      return "latitude=\"planetographic\" or \"planetocentric\" says it";
     case Remedy::resume:
       return "what is baked stays beside the target, and resume=True goes on from there";
     case Remedy::discard_work:
@@ -162,14 +167,34 @@ void check_memory(const BuildOptions& options) {
                     std::to_string(options.session.memory_bytes >> 20)));
 }
 
+SourceOverrides place_of_sources(const std::optional<std::string>& body,
+                                 const std::optional<std::string>& latitude,
+                                 const std::optional<std::string>& longitude) {
+  SourceOverrides said;
+  if (body) {
+    if (const auto parsed = parse_body(*body); !parsed) raise(parsed.error());
+    said.body = body;
+  }
+  if (latitude)
+    said.latitude = value_of<LatitudeKind>(
+        "latitude", *latitude,
+        {{"planetographic", LatitudeKind::planetographic}, {"planetocentric", LatitudeKind::planetocentric}});
+  if (longitude)
+    said.longitude = value_of<LongitudeSense>(
+        "longitude", *longitude, {{"east", LongitudeSense::east}, {"west", LongitudeSense::west}});
+  return said;
+}
+
 py::dict bake(const py::object& inputs, const Path& target, const py::object& imagery,
               std::optional<int> level, std::optional<int> top, int tile_size, std::optional<Bounds> region,
               std::optional<double> max_error_m, std::optional<double> quantum_m, bool allow_error,
               const std::string& resampling, const std::string& void_mode,
               const std::optional<std::string>& datum, std::optional<Path> geoid,
-              std::optional<float> rqt_tolerance_m, const std::string& texture_format,
-              const std::string& texture_quality, std::optional<Bounds> imagery_bounds, double feather_pixels,
-              std::size_t memory_mib, int threads, bool resume, bool force, const py::object& progress) {
+              const std::optional<std::string>& body, const std::optional<std::string>& latitude,
+              const std::optional<std::string>& longitude, std::optional<float> rqt_tolerance_m,
+              const std::string& texture_format, const std::string& texture_quality,
+              std::optional<Bounds> imagery_bounds, double feather_pixels, std::size_t memory_mib,
+              int threads, bool resume, bool force, const py::object& progress) {
   BuildOptions o;
   o.mosaic.inputs = files_of(inputs);
   o.imagery.inputs = files_of(imagery);
@@ -211,6 +236,10 @@ py::dict bake(const py::object& inputs, const Path& target, const py::object& im
                                               {"ellipsoid", VerticalDatum::ellipsoid}});
   }
   o.mosaic.geoid = geoid;
+  if (const SourceOverrides said = place_of_sources(body, latitude, longitude); said != SourceOverrides{}) {
+    o.mosaic.source_rules = {{"*", said}};
+    o.imagery.source_rules = {{"*", said}};
+  }
   o.heights.quantum_m = quantum_m;
   o.heights.allow_error = allow_error;
   o.heights.voids =
@@ -253,6 +282,7 @@ level, top: finest and coarsest level; region: (west, south, east, north) in deg
 max_error_m: error bound; no post is off by more. quantum_m: step in which heights are stored.
 resampling: smooth, exact, cubic, bilinear or nearest. void: fill or keep.
 datum: unknown, egm96 or ellipsoid; None for what the DEMs say, which then has to be one datum; geoid: raster of undulations to add.
+body: "Mars", "NAME,a,b" or "a,b" with the semi-axes of the pack's ellipsoid in metres; latitude: planetographic or planetocentric; longitude: east or west; None for what the sources say.
 rqt_tolerance_m: also store triangulations off by less than so many metres at the finest level.
 texture_format: bc1, bc3 or bc7; texture_quality: fast, normal or best.
 memory_mib: MiB that the process stays under; threads: 0 for all.
@@ -272,7 +302,8 @@ void add_bake(py::module_& module) {
              py::arg("tile_size") = defaults.grid.tile_size, py::arg("region") = py::none(),
              py::arg("max_error_m") = py::none(), py::arg("quantum_m") = py::none(),
              py::arg("allow_error") = false, py::arg("resampling") = "smooth", py::arg("void") = "fill",
-             py::arg("datum") = py::none(), py::arg("geoid") = py::none(),
+             py::arg("datum") = py::none(), py::arg("geoid") = py::none(), py::arg("body") = py::none(),
+             py::arg("latitude") = py::none(), py::arg("longitude") = py::none(),
              py::arg("rqt_tolerance_m") = py::none(), py::arg("texture_format") = "bc1",
              py::arg("texture_quality") = "normal", py::arg("imagery_bounds") = py::none(),
              py::arg("feather_pixels") = 0.0, py::arg("memory_mib") = defaults.session.memory_bytes >> 20,

@@ -5,13 +5,15 @@
 #include <span>
 #include <string>
 
+#include "cairn/body.h"
 #include "cairn/geo.h"
+#include "cairn/source_rule.h"
 #include "cairn/status.h"
 
 namespace cairn {
 
-/// The plane of a CRS against longitude and latitude on WGS84, by one operation of PROJ. Safe to call from
-/// several threads at once.
+/// The plane of a CRS against longitude and latitude on WGS84, or on its own ellipsoid where that is another
+/// body's, by one operation of PROJ. Safe to call from several threads at once.
 class CrsTransform {
  public:
   virtual ~CrsTransform() = default;
@@ -31,12 +33,19 @@ class CrsTransform {
   bool is_geographic() const { return is_geographic_; }
   /// Metres of the plane's unit; 0 where it is an angle.
   double metres_of_unit() const { return metres_of_unit_; }
+  /// The body that the degrees are on, with the CRS's own ellipsoid where it is not the Earth.
+  const Body& body() const { return body_; }
+  /// What the latitudes are. nullopt where the CRS is one of degrees on another body's ellipsoid and does not
+  /// say it by its axes or its name.
+  std::optional<LatitudeKind> latitude() const { return latitude_; }
 
  protected:
   std::string operation_;
   std::string name_;
   bool is_geographic_ = false;
   double metres_of_unit_ = 0;
+  Body body_;
+  std::optional<LatitudeKind> latitude_ = LatitudeKind::planetographic;
 };
 
 /// The transform of a CRS: `definition` is whatever PROJ takes, "EPSG:2154" or WKT. A vertical part is left

@@ -48,28 +48,39 @@ LonLat to_web_mercator(LonLat place) {
           std::asinh(std::tan(place.lat * kDegree)) * kWebMercatorRadius};
 }
 
+/// The latitude whose tangent is so many times that of the given one; poles stay where they are.
+double scaled_latitude(double lat, double factor) {
+  if (factor == 1 || !(std::abs(lat) < 90)) return lat;
+  return std::atan(factor * std::tan(lat * kDegree)) / kDegree;
+}
+
+LonLat place_of_coordinate(const Georeference& g, LonLat at) {
+  switch (g.crs) {
+    case Georeference::Crs::geographic:
+      return at;
+    case Georeference::Crs::utm:
+      return from_utm(g, at.lon, at.lat);
+    case Georeference::Crs::web_mercator:
+      return from_web_mercator(at.lon, at.lat);
+    case Georeference::Crs::other:
+      g.transform->to_degrees({&at, 1});
+      return at;
+  }
+  return {};
+}
+
 }  // namespace
 
 bool Georeference::has_crs_of(const Georeference& o) const {
-  if (crs != o.crs) return false;
+  if (crs != o.crs || latitude_factor != o.latitude_factor) return false;
   if (crs == Crs::utm) return utm_zone == o.utm_zone && utm_north == o.utm_north;
   return crs != Crs::other || transform == o.transform;
 }
 
 LonLat Georeference::place_of(double column, double row) const {
-  LonLat at = coordinate_of(column, row);
-  switch (crs) {
-    case Crs::geographic:
-      return at;
-    case Crs::utm:
-      return from_utm(*this, at.lon, at.lat);
-    case Crs::web_mercator:
-      return from_web_mercator(at.lon, at.lat);
-    case Crs::other:
-      transform->to_degrees({&at, 1});
-      return at;
-  }
-  return {};
+  LonLat place = place_of_coordinate(*this, coordinate_of(column, row));
+  place.lat = scaled_latitude(place.lat, latitude_factor);
+  return place;
 }
 
 Georeference::ColumnRow Georeference::post_at_coordinate(LonLat xy) const {
@@ -80,9 +91,10 @@ Georeference::ColumnRow Georeference::post_at_coordinate(LonLat xy) const {
 }
 
 Georeference::ColumnRow Georeference::post_at(LonLat place) const {
-  LonLat xy = place;
-  if (crs == Crs::utm) xy = to_utm(*this, place);
-  if (crs == Crs::web_mercator) xy = to_web_mercator(place);
+  const LonLat of_crs{place.lon, scaled_latitude(place.lat, 1 / latitude_factor)};
+  LonLat xy = of_crs;
+  if (crs == Crs::utm) xy = to_utm(*this, of_crs);
+  if (crs == Crs::web_mercator) xy = to_web_mercator(of_crs);
   if (crs == Crs::other) transform->from_degrees({&xy, 1});
   return post_at_coordinate(xy);
 }

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "builder/raster/body_placement.h"
 #include "builder/raster/crs.h"
 
 namespace cairn {
@@ -53,7 +54,7 @@ void take_turns_away(RasterInfo& info) {
 }
 
 bool is_regular(const Georeference& g) {
-  return g.crs == Georeference::Crs::geographic && g.is_straight() && g.dx > 0;
+  return g.is_lattice();
 }
 
 bool is_close(const Georeference::ColumnRow& a, double column, double row) {
@@ -199,27 +200,41 @@ Result<GeoBounds> projected_bounds(const RasterInfo& info) {
   return bounds;
 }
 
-/// Finds another CRS's transform. One of longitude and latitude that WGS84 shares is not another.
-Status find_crs(RasterInfo& info) {
+/// Whether the degrees of a CRS are those that it is transformed to, longitudes with the given sign.
+bool keeps_degrees(const RasterInfo& info, double sign) {
+  constexpr double kSame = 1e-9;  // degrees: 0.1 mm on the Earth
+  const Georeference& g = info.georeference;
+  const double c = static_cast<double>(info.columns - 1), r = static_cast<double>(info.rows - 1);
+  for (const auto& [column, row] : {std::pair{c / 2, r / 2}, {0., 0.}, {c, 0.}, {0., r}, {c, r}}) {
+    const LonLat at = g.coordinate_of(column, row), place = g.place_of(column, row);
+    const bool same = std::abs(std::remainder(sign * at.lon - place.lon, 360)) < kSame &&
+                      std::abs(at.lat - place.lat) < kSame;
+    if (!same) return false;
+  }
+  return true;
+}
+
+/// Finds another CRS's transform, and what the CRS says of the body. One of the body's own degrees is not
+/// another.
+Result<CrsBody> find_crs(RasterInfo& info) {
+  CrsBody said;
   Georeference& g = info.georeference;
-  if (g.crs != Georeference::Crs::other) return {};
+  if (g.crs != Georeference::Crs::other) return said;
   const double c = static_cast<double>(info.columns - 1), r = static_cast<double>(info.rows - 1);
   const LonLat middle = g.coordinate_of(c / 2, r / 2);
   auto transform = open_crs(g.definition, middle.lon, middle.lat);
   if (!transform) return bad_data(info.path.string() + ": " + transform.error().message);
   g.transform = std::move(*transform);
-  if (!g.transform->is_geographic()) return {};
-  constexpr double kSame = 1e-9;  // degrees: 0.1 mm
-  for (const auto& [column, row] : {std::pair{c / 2, r / 2}, {0., 0.}, {c, 0.}, {0., r}, {c, r}}) {
-    const LonLat at = g.coordinate_of(column, row), place = g.place_of(column, row);
-    const bool same =
-        std::abs(std::remainder(at.lon - place.lon, 360)) < kSame && std::abs(at.lat - place.lat) < kSame;
-    if (!same) return {};
-  }
+  said.body = g.transform->body();
+  said.latitude = g.transform->latitude();
+  if (!g.transform->is_geographic()) return said;
+  said.is_west_positive = !said.body.is_earth() && keeps_degrees(info, -1) && !keeps_degrees(info, 1);
+  if (!said.is_west_positive && !keeps_degrees(info, 1)) return said;
+  if (said.is_west_positive) turn_longitudes(g);
   g.crs = Georeference::Crs::geographic;
   g.transform = nullptr;
   g.definition.clear();
-  return {};
+  return said;
 }
 
 /// Puts a CRS that the user names in place of the file's.
@@ -313,7 +328,9 @@ std::vector<GeoBounds> tight_bounds(const RasterInfo& info, int halvings) {
 Status place_raster(RasterInfo& info) {
   if (auto numbers = check_numbers(info); !numbers) return numbers;
   if (info.overrides.crs) use_crs(*info.overrides.crs, info);
-  if (auto crs = find_crs(info); !crs) return crs;
+  const auto crs = find_crs(info);
+  if (!crs) return crs.error();
+  if (auto body = put_on_body(*crs, info); !body) return body;
   Georeference& g = info.georeference;
   if (is_regular(g)) {
     restore_decimals(g.x0, g.dx, info.columns);

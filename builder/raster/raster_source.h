@@ -11,6 +11,7 @@
 #include "builder/raster/georeference.h"
 #include "builder/raster/sample_type.h"
 #include "builder/raster/vertical_reference.h"
+#include "cairn/body.h"
 #include "cairn/geo.h"
 #include "cairn/source_rule.h"
 #include "cairn/status.h"
@@ -27,6 +28,7 @@ struct RasterInfo {
   SampleType type = SampleType::int16;
   bool whole_metres = true;  ///< integer posts in metres: the default error bound is 0.5 m, else 0.05 m
   Georeference georeference;
+  Body body;                                  ///< on which its places are
   GeoBounds bounds;                           ///< of the posts, in degrees; east may pass 180
   std::optional<double> nodata;               ///< the customary void values are voids besides
   std::string unit;                           ///< of its heights as the file spells it; "" is the metre

@@ -27,6 +27,9 @@ SourceOverrides overrides_of(const std::filesystem::path& source, std::span<cons
     take(rule.overrides.offset, all.offset);
     take(rule.overrides.unit, all.unit);
     take(rule.overrides.crs, all.crs);
+    take(rule.overrides.body, all.body);
+    take(rule.overrides.latitude, all.latitude);
+    take(rule.overrides.longitude, all.longitude);
     take(rule.overrides.priority, all.priority);
   }
   return all;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <string>
 #include <utility>
 
 namespace cairn {
@@ -151,8 +152,10 @@ OGRSpatialReference crs_of(Layer layer, const PackHeader& header) {
   if (body == Body()) {
     crs.SetFromUserInput(earth_crs_of(layer, header.vertical_datum));
   } else {
-    const double flattening = 1 - body.shape.semi_minor_m / body.shape.semi_major_m;
-    crs.SetGeogCS(body.name.c_str(), body.name.c_str(), body.name.c_str(), body.shape.semi_major_m,
+    const double flattening = body.shape.flattening();
+    // Only the name can say that latitudes are planetographic.
+    const std::string name = body.name + (flattening > 0 ? " / Ographic" : "");
+    crs.SetGeogCS(name.c_str(), body.name.c_str(), body.name.c_str(), body.shape.semi_major_m,
                   flattening > 0 ? 1 / flattening : 0, "Reference meridian", 0);
   }
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);

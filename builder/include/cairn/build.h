@@ -29,6 +29,8 @@ enum class Remedy {
   replace_target,  ///< SessionOptions::force
   accept_error,    ///< HeightOptions::allow_error
   resume,          ///< SessionOptions::resume: the units that are done are kept beside the target
+  tell_body,       ///< SourceOverrides::body
+  tell_latitude,   ///< SourceOverrides::latitude
   discard_work,    ///< SessionOptions::force: the work beside the target is given up
 };
 

@@ -5,6 +5,13 @@
 
 namespace cairn {
 
+/// What a latitude is the angle of with the equator's plane: the normal of the ellipsoid, or the way to the
+/// body's centre. On a sphere they are one.
+enum class LatitudeKind { planetographic, planetocentric };
+
+/// Which way longitudes count.
+enum class LongitudeSense { east, west };
+
 /// What a user says of a source; it counts instead of what the file says. Absent fields change nothing.
 struct SourceOverrides {
   std::optional<int> band = std::nullopt;          ///< the band that holds the heights, from 1
@@ -13,6 +20,11 @@ struct SourceOverrides {
   std::optional<double> offset = std::nullopt;     ///< in the unit
   std::optional<std::string> unit = std::nullopt;  ///< by name: "m", "ft", "US survey foot" …
   std::optional<std::string> crs = std::nullopt;   ///< of the plane: "EPSG:2056", WKT or what else PROJ takes
+  /// The body: its name, "NAME,a,b" or "a,b" with the semi-axes of the pack's ellipsoid in metres. A source
+  /// in degrees that names no other body is on it.
+  std::optional<std::string> body = std::nullopt;
+  std::optional<LatitudeKind> latitude = std::nullopt;
+  std::optional<LongitudeSense> longitude = std::nullopt;  ///< of a source in degrees
   /// Sources of a higher number win over others, finer ones too; 0 where nothing is said.
   std::optional<int> priority = std::nullopt;
 

@@ -11,6 +11,7 @@
 #include "builder/raster/crs.h"
 #include "builder/raster/io/printable.h"
 #include "builder/raster/tiff/gdal_metadata.h"
+#include "cairn/body.h"
 
 namespace cairn {
 namespace {
@@ -22,6 +23,7 @@ constexpr std::uint32_t kPixelScale = 33550, kTiepoint = 33922, kTransformation 
 // Keys.
 constexpr int kModelType = 1024, kRasterType = 1025, kCitation = 1026, kGeographicType = 2048,
               kGeogCitation = 2049, kGeodeticDatum = 2050, kAngularUnits = 2054, kEllipsoid = 2056,
+              kSemiMajor = 2057, kSemiMinor = 2058, kInverseFlattening = 2059, kPrimeMeridianLon = 2061,
               kProjectedType = 3072, kProjectedCitation = 3073, kProjection = 3074, kProjMethod = 3075,
               kLinearUnits = 3076, kNaturalOriginLon = 3080, kNaturalOriginLat = 3081, kFalseEasting = 3082,
               kFalseNorthing = 3083, kScaleAtOrigin = 3092, kVerticalType = 4096, kVerticalCitation = 4097,
@@ -86,6 +88,38 @@ bool set_user_defined_utm(const GeoTiffTags& tags, Georeference& g) {
                       number(tags, kFalseEasting, 0) == 500000 && (north == 0 || north == 10000000);
   return is_utm && zone == std::floor(zone) && zone >= 1 && zone <= 60 &&
          set_utm(g, static_cast<int>(zone), north == 0);
+}
+
+/// The ellipsoid that is spelt out, where it is.
+std::optional<Ellipsoid> ellipsoid_of(const GeoTiffTags& tags) {
+  const double a = number(tags, kSemiMajor, 0), inverse = number(tags, kInverseFlattening, 0);
+  const double b = number(tags, kSemiMinor, inverse == 0 ? a : a * (1 - 1 / inverse));
+  if (!std::isfinite(a) || !(b > 0 && b <= a)) return std::nullopt;
+  return Ellipsoid{a, b};
+}
+
+/// A part of a citation as GDAL writes it, "GCS Name = …|Datum = …|Ellipsoid = …|", or all of another one.
+std::string name_in(const std::string& citation, std::string_view part) {
+  const std::size_t at = citation.find(part);
+  const std::size_t begin = at == std::string::npos ? 0 : at + part.size();
+  std::string name = citation.substr(begin, citation.find('|', begin) - begin);
+  std::replace(name.begin(), name.end(), '"', '\'');
+  return printable(name);
+}
+
+/// WKT of degrees on another body's ellipsoid; empty where the keys spell out none.
+std::string degrees_on_other_body(const GeoTiffTags& tags) {
+  const auto shape = ellipsoid_of(tags);
+  if (!shape || body_of(*shape, "").is_earth() || number(tags, kPrimeMeridianLon, 0) != 0) return "";
+  const std::string geographic = text(tags, kGeogCitation);
+  const std::string citation = geographic.empty() ? text(tags, kCitation) : geographic;
+  const std::string name = name_in(citation, "GCS Name = ");
+  const double flattening = shape->flattening();
+  return fmt::format(
+      "GEOGCS[\"{}\",DATUM[\"{}\",SPHEROID[\"{}\",{},{}]],PRIMEM[\"Reference meridian\",0],UNIT[\"degree\","
+      "0.0174532925199433]]",
+      name.empty() ? "unnamed" : name, name, name_in(citation, "Ellipsoid = "), shape->semi_major_m,
+      flattening == 0 ? 0 : 1 / flattening);
 }
 
 Status check_units(const GeoTiffTags& tags, const std::filesystem::path& path, bool projected) {
@@ -194,6 +228,10 @@ Status read_crs(const GeoTiffTags& tags, const std::filesystem::path& path, Geor
     return {};
   }
   if (model != 0 && model != kGeographic) return unknown_crs(tags, path);
+  if (std::string degrees = has_code(geographic) ? "" : degrees_on_other_body(tags); !degrees.empty()) {
+    set_other_crs(g, std::move(degrees));
+    return check_units(tags, path, false);
+  }
   if (has_known_datum(tags)) {
     g.crs = Georeference::Crs::geographic;
     return check_units(tags, path, false);
