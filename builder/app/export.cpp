@@ -110,7 +110,6 @@ Status export_pack(const ExportArguments& arguments) {
   if (!options) return options.error();
   const auto pack = PackReader::open(arguments.pack);
   if (!pack) return pack.error();
-  if (const Status status = check_body(*pack); !status) return status;
   const Interrupt interrupt;
   Result<ExportReport> report = [&] {
     BakeProgress progress(ProgressUnit::parts);

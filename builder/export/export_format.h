@@ -65,9 +65,6 @@ struct ExportFormat {
 };
 std::span<const ExportFormat* const> export_formats();
 
-/// usage where the pack is of another body than the Earth: the formats name the Earth's CRSs.
-Status check_body(const PackReader& pack);
-
 /// The datum of the pack's heights: its own, or the one that the options tell where the pack does not know
 /// it. usage where both are known and differ.
 Result<VerticalDatum> datum_of(const PackReader& pack, const ExportOptions& options);

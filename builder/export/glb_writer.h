@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "builder/export/wgs84.h"
+#include "builder/export/geodesy.h"
 
 namespace cairn {
 

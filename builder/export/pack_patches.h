@@ -23,6 +23,9 @@ class PackPatches {
   /// outlives this, and the pack has a height tile.
   PackPatches(const PackReader& pack, std::optional<double> finest_error_m);
 
+  /// Of the pack's body.
+  const Ellipsoid& ellipsoid() const { return pack_.header().body.shape; }
+
   int coarsest() const { return coarsest_; }
   int finest() const { return finest_; }
 

@@ -56,13 +56,13 @@ Sphere sphere_around(const std::vector<Vector3>& points) {
 }
 
 /// The point that is below the horizon where all points are (Ring 2013, "Computing the horizon occlusion
-/// point"), in the space where the ellipsoid is a unit sphere. A tile that spans half the Earth has none: its
+/// point"), in the space where the ellipsoid is a unit sphere. A tile that spans half the body has none: its
 /// point is as far away as makes no difference.
-Vector3 horizon_occlusion_point(const std::vector<Vector3>& points, const Vector3& centre) {
+Vector3 horizon_occlusion_point(const std::vector<Vector3>& points, const Vector3& centre,
+                                const Ellipsoid& ellipsoid) {
   constexpr double kFarAway = 1e4;
-  const auto to_sphere = [](const Vector3& p) {
-    return Vector3{p[0] / kEquatorRadius_m, p[1] / kEquatorRadius_m, p[2] / kPoleRadius_m};
-  };
+  const double a = ellipsoid.semi_major_m, b = ellipsoid.semi_minor_m;
+  const auto to_sphere = [a, b](const Vector3& p) { return Vector3{p[0] / a, p[1] / a, p[2] / b}; };
   const Vector3 towards = scaled(to_sphere(centre), 1 / length(to_sphere(centre)));
   double magnitude = 1;
   for (const Vector3& p : points) {
@@ -141,7 +141,8 @@ Order order_of(const QuantizedMesh& mesh) {
 
 void put_header(const QuantizedMesh& mesh, std::vector<std::byte>& out) {
   std::vector<Vector3> points(mesh.u.size());
-  for (std::size_t i = 0; i < points.size(); ++i) points[i] = geocentric(mesh.place(i), mesh.metres(i));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] = geocentric(mesh.place(i), mesh.metres(i), mesh.ellipsoid);
   const Sphere sphere = sphere_around(points);
   for (const double c : sphere.centre) put(out, c);
   put(out, mesh.lowest_m);
@@ -149,7 +150,9 @@ void put_header(const QuantizedMesh& mesh, std::vector<std::byte>& out) {
   for (const double c : sphere.centre) put(out, c);
   put(out, sphere.radius);
   const LonLat middle{(mesh.bounds.west + mesh.bounds.east) / 2, (mesh.bounds.south + mesh.bounds.north) / 2};
-  for (const double c : horizon_occlusion_point(points, geocentric(middle, 0))) put(out, c);
+  for (const double c :
+       horizon_occlusion_point(points, geocentric(middle, 0, mesh.ellipsoid), mesh.ellipsoid))
+    put(out, c);
 }
 
 void put_deltas(const std::vector<std::uint16_t>& values, const std::vector<std::uint32_t>& order,

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "builder/export/geodesy.h"
 #include "builder/export/tile_ranges.h"
-#include "builder/export/wgs84.h"
 
 namespace cairn {
 
@@ -15,6 +15,7 @@ struct QuantizedMesh {
   static constexpr int kLargest = 32767;
 
   GeoBounds bounds;
+  Ellipsoid ellipsoid;
   float lowest_m = 0;                       ///< the height that 0 stands for
   float highest_m = 0;                      ///< the height that kLargest stands for
   std::vector<std::uint16_t> u, v, height;  ///< of the vertices: from the west, the south, the lowest

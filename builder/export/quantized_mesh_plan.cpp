@@ -9,7 +9,7 @@
 namespace cairn {
 namespace {
 
-constexpr double kRootError_m = 77067.33961626285;
+constexpr double kRootError_m = 77067.33961626285;  // on the Earth
 constexpr int kMostLevel = 30;
 /// Coarser tiles are off the ellipsoid by metres between their vertices.
 constexpr int kLeastCloseLevel = 8;
@@ -39,8 +39,8 @@ std::vector<TickRect> rects_of(const GeoBounds& region) {
 
 }  // namespace
 
-double assumed_error_m(int level) {
-  return std::ldexp(kRootError_m, -level);
+double assumed_error_m(int level, const Ellipsoid& ellipsoid) {
+  return std::ldexp(kRootError_m * (ellipsoid.semi_major_m / Ellipsoid().semi_major_m), -level);
 }
 
 Result<QuantizedMeshPlan> QuantizedMeshPlan::make(const PackReader& pack, const PackPatches& patches,
@@ -61,7 +61,8 @@ Result<QuantizedMeshPlan> QuantizedMeshPlan::make(const PackReader& pack, const 
           entry.layer == Layer::heights && entry.id.level == patches.finest())
         own_error = std::max(own_error, static_cast<double>(entry.geometric_error_m));
   }
-  while (plan.finest_ > 0 && own_error > kShareOfPack * assumed_error_m(plan.finest_)) --plan.finest_;
+  while (plan.finest_ > 0 && own_error > kShareOfPack * assumed_error_m(plan.finest_, patches.ellipsoid()))
+    --plan.finest_;
   if (options.max_error_m && *options.max_error_m <= own_error / kShareOfPack)
     return usage_error(
         fmt::format("largest error: expected more than {:g} m, since the pack itself is up to {:g} m off its "
@@ -87,7 +88,8 @@ void QuantizedMeshPlan::choose_height_steps(const Options& options) {
     const auto i = static_cast<std::size_t>(level);
     // No geoid is steeper than 7e-4 over a tile's 2·10^7 m / 2^L.
     if (options.shifted) widest[i] += std::min(220.0, std::ldexp(14000.0, -level));
-    const double bound = std::min(assumed_error_m(level), max_error_m_.value_or(kRootError_m));
+    const double bound = std::min(assumed_error_m(level, patches_->ellipsoid()),
+                                  max_error_m_.value_or(assumed_error_m(0, patches_->ellipsoid())));
     double step = std::exp2(std::floor(std::log2(bound / 32)));
     while (step * (kSteps - 2) < widest[i]) step *= 2;
     height_steps_[i] = step;
@@ -133,7 +135,7 @@ std::vector<std::vector<TileRange>> QuantizedMeshPlan::below(const GeographicTil
 }
 
 double QuantizedMeshPlan::bound_m(const GeographicTile& tile) const {
-  const double assumed = assumed_error_m(tile.level);
+  const double assumed = assumed_error_m(tile.level, patches_->ellipsoid());
   const bool may_be_close = max_error_m_ && tile.level >= kLeastCloseLevel;
   if (!may_be_close || has({tile.level + 1, 2 * tile.x, 2 * tile.y})) return assumed;
   if (!has_data(tile.rect(), patches_->coarsest())) return assumed;

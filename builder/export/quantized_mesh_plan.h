@@ -8,6 +8,7 @@
 #include "builder/export/pack_patches.h"
 #include "builder/export/tile_ranges.h"
 #include "builder/export/world_ticks.h"
+#include "cairn/body.h"
 #include "cairn/geo.h"
 #include "cairn/pack_reader.h"
 #include "cairn/status.h"
@@ -31,7 +32,7 @@ struct GeographicTile {
 /// What CesiumJS and cesium-native take for the error of a tile of this level, in metres: a sixty-fifth of an
 /// equatorial heightmap tile's width divided by four (CesiumTerrainProvider, TerrainProvider
 /// .getEstimatedLevelGeometricErrorForAHeightmap).
-double assumed_error_m(int level);
+double assumed_error_m(int level, const Ellipsoid& ellipsoid);
 
 /// Ticks between the samples of the lattice of this order in tiles of a level.
 inline std::int64_t lattice_step(int level, int order) {

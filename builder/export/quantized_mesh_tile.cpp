@@ -22,14 +22,14 @@ constexpr int kMostTries = 12;
 constexpr std::int64_t kParts = 8;  // of a step
 constexpr int kMostHalvings = 2;
 constexpr double kLeastStep_m = 1.0 / 4096;
-constexpr double kLeastRadius_m = 6'335'439;  // of the ellipsoid's curvature
 /// Undulations are interpolated between nodes so far apart at most.
 constexpr std::int64_t kShiftTicks = std::int64_t{1} << (kTickBits - 5);
 constexpr double kShiftError_m = 0.005;  // what that is wrong by at most
 
 /// What the middle of a triangle is below the ellipsoid at most: its circumscribed circle's sagitta.
-double sagitta_m(double longest_side_m) {
-  return longest_side_m * longest_side_m / (6 * kLeastRadius_m);
+double sagitta_m(double longest_side_m, const Ellipsoid& ellipsoid) {
+  const double least_radius_m = ellipsoid.semi_minor_m * (ellipsoid.semi_minor_m / ellipsoid.semi_major_m);
+  return longest_side_m * longest_side_m / (6 * least_radius_m);
 }
 
 double distance(const Vector3& a, const Vector3& b) {
@@ -253,7 +253,7 @@ void TileMaker::start_mesh() {
   for (const auto& v : edge(TileSide::east)) mesh_->add({side_, (v.along - rect_.south) / unit_}, v.metres);
   for (const auto& v : north) mesh_->add({(v.along - rect_.west) / unit_, side_}, v.metres);
   for (const auto& v : edge(TileSide::west)) mesh_->add({0, (v.along - rect_.south) / unit_}, v.metres);
-  const int squares = base_squares(tile_.level, bound_m_);
+  const int squares = base_squares(tile_.level, bound_m_, source_.patches.ellipsoid());
   for (int r = 1; r < squares; ++r)
     for (int c = 1; c < squares; ++c) {
       const GridPlace place{c * (side_ / squares), r * (side_ / squares)};
@@ -267,6 +267,7 @@ void TileMaker::start_mesh() {
 
 QuantizedMesh TileMaker::quantized() const {
   QuantizedMesh mesh;
+  mesh.ellipsoid = source_.patches.ellipsoid();
   const LonLat low = place_of(rect_.west, rect_.south), high = place_of(rect_.east, rect_.north);
   mesh.bounds = {low.lon, low.lat, high.lon, high.lat};
   const auto [lowest, highest] = std::minmax_element(mesh_->heights().begin(), mesh_->heights().end());
@@ -299,7 +300,8 @@ QuantizedMesh TileMaker::quantized() const {
 
 double TileMaker::longest_side_m(const QuantizedMesh& mesh) const {
   std::vector<Vector3> points(mesh.u.size());
-  for (std::size_t i = 0; i < points.size(); ++i) points[i] = geocentric(mesh.place(i), mesh.metres(i));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] = geocentric(mesh.place(i), mesh.metres(i), mesh.ellipsoid);
   double longest = 0;
   for (const auto& t : mesh.triangles)
     for (std::size_t i = 0; i < 3; ++i)
@@ -362,12 +364,13 @@ Result<QuantizedMesh> TileMaker::make() {
   const double shift_error = source_.shift.metres ? kShiftError_m : 0;
   QuantizedMesh mesh = quantized();
   const double step = source_.plan.height_step_m(tile_.level);
-  double tolerance = bound_m_ - surface_error - sagitta_m(longest_side_m(mesh)) - step - shift_error;
+  double tolerance =
+      bound_m_ - surface_error - sagitta_m(longest_side_m(mesh), mesh.ellipsoid) - step - shift_error;
   tolerance = std::max(tolerance, 0.25 * bound_m_);
   for (int i = 0; i < kMostTries; ++i) {
     mesh_->refine(tolerance);
     mesh = quantized();
-    const double apart = sagitta_m(longest_side_m(mesh)) + shift_error;
+    const double apart = sagitta_m(longest_side_m(mesh), mesh.ellipsoid) + shift_error;
     const MeshError error = measure(mesh, bound_m_ - apart);
     mesh.error_m = std::max(error.metres, rim_error_m_) + apart;
     if (mesh.error_m <= bound_m_) break;

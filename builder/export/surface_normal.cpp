@@ -55,7 +55,7 @@ Result<SurfacePoint> surface_normal(const PackPatches& patches, MetreTiles& tile
   const auto north = pack_height(patches, tiles, x, std::min(y + step, kTicksPoleToPole), level);
   for (const auto* height : {&west, &east, &south, &north})
     if (!*height) return height->error();
-  const DegreeLengths degree = degree_lengths(place.lat);
+  const DegreeLengths degree = degree_lengths(place.lat, patches.ellipsoid());
   const double to_east =
       slope(beside(*west, own, step), beside(*east, own, step), std::ldexp(degree.lon_m, -kTickBits));
   const double to_north =

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
+#include "builder/export/geodesy.h"
 #include "builder/export/metre_tiles.h"
 #include "builder/export/pack_patches.h"
-#include "builder/export/wgs84.h"
 #include "cairn/status.h"
 
 namespace cairn {

@@ -200,7 +200,8 @@ class EdgeMaker {
   TileEdge simplify() {
     TileEdge edge;
     edge.order = order_;
-    const std::int64_t square = (line_.to - line_.from) / base_squares(level_, bound_m_);
+    const std::int64_t square =
+        (line_.to - line_.from) / base_squares(level_, bound_m_, source_.patches.ellipsoid());
     std::size_t before = 0;
     edge.vertices.push_back({samples_[0].along, rounded(samples_[0].metres)});
     for (std::size_t i = 1; i < samples_.size(); ++i) {
@@ -262,10 +263,10 @@ PatchLattice lattice_of(const QuantizedMeshSource& source, const Patch& patch, i
   return {order, patch.error_m + (order < own ? range : 0)};
 }
 
-int base_squares(int level, double bound_m) {
-  constexpr double kDiagonal_m = 28.3e6;  // of a tile of level 0 at the equator
-  const double longest = std::sqrt(kSurfaceShare * bound_m * 6 * kEquatorRadius_m);  // see sagitta_m()
-  const double wanted = std::ldexp(kDiagonal_m, -level) / longest;
+int base_squares(int level, double bound_m, const Ellipsoid& ellipsoid) {
+  constexpr double kDiagonal = 4.44;  // of a tile of level 0 at the equator, in radii: √2·π
+  const double longest = std::sqrt(kSurfaceShare * bound_m * 6 * ellipsoid.semi_major_m);  // see sagitta_m()
+  const double wanted = std::ldexp(kDiagonal * ellipsoid.semi_major_m, -level) / longest;
   for (const int squares : {1, 3, 5, 9, 15})
     if (squares >= wanted * 0.9) return squares;
   return 45;

@@ -36,8 +36,8 @@ inline constexpr double kSurfaceShare = 0.25;
 inline constexpr int kMostOrder = 8;
 
 /// Every tile has at least the vertices of a grid of so many squares a side, which divides 45: what the
-/// Earth's curvature takes off a square is about a quarter of the bound.
-int base_squares(int level, double bound_m);
+/// body's curvature takes off a square is about a quarter of the bound.
+int base_squares(int level, double bound_m, const Ellipsoid& ellipsoid);
 
 /// Rounded to the level's step.
 double rounded_height(const QuantizedMeshSource& source, double metres, int level);

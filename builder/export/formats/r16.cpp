@@ -13,9 +13,9 @@
 #include "builder/bake/pipeline.h"
 #include "builder/export/export_folder.h"
 #include "builder/export/export_format.h"
+#include "builder/export/geodesy.h"
 #include "builder/export/grid_error.h"
 #include "builder/export/pack_accuracy.h"
-#include "builder/export/wgs84.h"
 #include "cairn/pack_sampler.h"
 
 namespace cairn {
@@ -32,9 +32,8 @@ constexpr std::size_t kSamplerTiles = 16;
 /// meridian: 1e-4 is lost 90 km away from it.
 class LocalPlane {
  public:
-  explicit LocalPlane(LonLat centre)
-      : projection_(kEquatorRadius_m, (kEquatorRadius_m - kPoleRadius_m) / kEquatorRadius_m, 1),
-        centre_(centre) {
+  LocalPlane(LonLat centre, const Ellipsoid& ellipsoid)
+      : projection_(ellipsoid.semi_major_m, ellipsoid.flattening(), 1), centre_(centre) {
     double east = 0;
     projection_.Forward(centre.lon, centre.lat, centre.lon, east, origin_);
   }
@@ -117,7 +116,7 @@ Status HeightmapExport::plan(const VerticalShift& shift) {
     return bad_data(pack_.path().string() + ": metadata: bounds: expected an area, found none");
   }
   const LonLat centre{(region_.west + region_.east) / 2, (region_.south + region_.north) / 2};
-  plane_.emplace(centre);
+  plane_.emplace(centre, pack_.header().body.shape);
   double west = 0, south = 0, east = 0, north = 0;
   constexpr int kPieces = 16;
   for (int i = 0; i <= kPieces; ++i) {
@@ -136,8 +135,8 @@ Status HeightmapExport::plan(const VerticalShift& shift) {
     return usage_error(
         fmt::format("region: expected at most {:g} km a side on a plane, found {:.0f} x {:.0f} km",
                     kMostWidth_m / 1000, (east - west) / 1000, (north - south) / 1000));
-  const double own =
-      degree_lengths(centre.lat).lat_m * std::ldexp(1.0, -patches_.finest()) / (pack_.header().tile_size - 1);
+  const double own = degree_lengths(centre.lat, pack_.header().body.shape).lat_m *
+                     std::ldexp(1.0, -patches_.finest()) / (pack_.header().tile_size - 1);
   const double unit = std::pow(10, std::floor(std::log10(own)) - 1);
   map_.spacing_m = options_.spacing_m.value_or(std::floor(own / unit) * unit);
   map_.posts = options_.posts;
@@ -153,9 +152,10 @@ Status HeightmapExport::plan(const VerticalShift& shift) {
   map_.west_m = (west + east - map_.across * side) / 2;
   map_.north_m = (south + north + map_.down * side) / 2;
   map_.level = patches_.coarsest();
-  while (map_.level < patches_.finest() &&
-         degree_lengths(centre.lat).lat_m * std::ldexp(1.0, -map_.level) / (pack_.header().tile_size - 1) >
-             map_.spacing_m)
+  while (map_.level < patches_.finest() && degree_lengths(centre.lat, pack_.header().body.shape).lat_m *
+                                                   std::ldexp(1.0, -map_.level) /
+                                                   (pack_.header().tile_size - 1) >
+                                               map_.spacing_m)
     ++map_.level;
   bool any = false;
   for (int y = 0; y < map_.down; ++y) {

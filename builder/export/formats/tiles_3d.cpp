@@ -70,7 +70,7 @@ GlbMesh ground_of(const QuantizedMesh& mesh) {
       const std::uint32_t i = triangle[k];
       if (numbers[i] == kUnused) {
         numbers[i] = static_cast<std::uint32_t>(out.positions.size());
-        out.positions.push_back(geocentric(mesh.place(i), mesh.metres(i)));
+        out.positions.push_back(geocentric(mesh.place(i), mesh.metres(i), mesh.ellipsoid));
         out.normals.push_back(mesh.normals[i]);
         out.texture.push_back({static_cast<float>(mesh.u[i]) / QuantizedMesh::kLargest,
                                1 - static_cast<float>(mesh.v[i]) / QuantizedMesh::kLargest});

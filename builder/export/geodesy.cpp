@@ -1,4 +1,4 @@
-#include "builder/export/wgs84.h"
+#include "builder/export/geodesy.h"
 
 #include <cmath>
 #include <numbers>
@@ -12,9 +12,10 @@ constexpr double kRadian = std::numbers::pi / 180;
 
 }  // namespace
 
-Vector3 geocentric(LonLat place, double height_m) {
+Vector3 geocentric(LonLat place, double height_m, const Ellipsoid& ellipsoid) {
   Vector3 v;
-  GeographicLib::Geocentric::WGS84().Forward(place.lat, place.lon, height_m, v[0], v[1], v[2]);
+  const GeographicLib::Geocentric body(ellipsoid.semi_major_m, ellipsoid.flattening());
+  body.Forward(place.lat, place.lon, height_m, v[0], v[1], v[2]);
   return v;
 }
 
@@ -24,11 +25,10 @@ LocalAxes local_axes(LonLat place) {
   return {{-sl, cl, 0}, {-sp * cl, -sp * sl, cp}, {cp * cl, cp * sl, sp}};
 }
 
-DegreeLengths degree_lengths(double lat) {
-  const double e2 = 1 - (kPoleRadius_m * kPoleRadius_m) / (kEquatorRadius_m * kEquatorRadius_m);
+DegreeLengths degree_lengths(double lat, const Ellipsoid& ellipsoid) {
+  const double a = ellipsoid.semi_major_m, e2 = 1 - 1 / ellipsoid.graphic_per_centric();
   const double s = std::sin(lat * kRadian), w = 1 - e2 * s * s;
-  return {kRadian * std::cos(lat * kRadian) * kEquatorRadius_m / std::sqrt(w),
-          kRadian * kEquatorRadius_m * (1 - e2) / (w * std::sqrt(w))};
+  return {kRadian * std::cos(lat * kRadian) * a / std::sqrt(w), kRadian * a * (1 - e2) / (w * std::sqrt(w))};
 }
 
 }  // namespace cairn

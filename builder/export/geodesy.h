@@ -2,17 +2,15 @@
 
 #include <array>
 
+#include "cairn/body.h"
 #include "cairn/geo.h"
 
 namespace cairn {
 
-inline constexpr double kEquatorRadius_m = 6378137.0;
-inline constexpr double kPoleRadius_m = 6356752.3142451793;
-
 using Vector3 = std::array<double, 3>;
 
-/// Geocentric metres (EPSG:4978) of a place at a height above the WGS84 ellipsoid.
-Vector3 geocentric(LonLat place, double height_m);
+/// Metres from the body's centre (on the Earth EPSG:4978) of a place at a height above the ellipsoid.
+Vector3 geocentric(LonLat place, double height_m, const Ellipsoid& ellipsoid);
 
 /// Unit vectors of a place.
 struct LocalAxes {
@@ -25,6 +23,6 @@ struct DegreeLengths {
   double lon_m = 0;
   double lat_m = 0;
 };
-DegreeLengths degree_lengths(double lat);
+DegreeLengths degree_lengths(double lat, const Ellipsoid& ellipsoid);
 
 }  // namespace cairn
