@@ -1,14 +1,14 @@
 #pragma once
 
 // For the files that hold code for AVX2. It runs only where cpu_has_avx2(), and gives what the portable code
-// gives.
+// gives. WebAssembly with vectors runs the decoder's as well.
 
 #if defined(__x86_64__)
 
 #include <immintrin.h>
 
 #define CAIRN_AVX2 __attribute__((target("avx2,bmi,bmi2,lzcnt,popcnt")))
-#define CAIRN_AVX2_INLINE CAIRN_AVX2 inline __attribute__((always_inline))
+#define CAIRN_AVX2_DECODER
 
 namespace cairn::wavefront {
 
@@ -16,6 +16,31 @@ inline bool cpu_has_avx2() {
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
          __builtin_cpu_supports("lzcnt") && __builtin_cpu_supports("popcnt");
 }
+
+}  // namespace cairn::wavefront
+
+#elif defined(__wasm_simd128__)
+
+#include "format/wavefront/avx2_wasm.h"
+
+#define CAIRN_AVX2
+#define CAIRN_AVX2_DECODER
+
+namespace cairn::wavefront {
+
+inline bool cpu_has_avx2() {
+  return true;
+}
+
+}  // namespace cairn::wavefront
+
+#endif
+
+#if defined(CAIRN_AVX2_DECODER)
+
+#define CAIRN_AVX2_INLINE CAIRN_AVX2 inline __attribute__((always_inline))
+
+namespace cairn::wavefront {
 
 /// Transposes 16-bit values: row i of the result is column i of the rows.
 CAIRN_AVX2_INLINE void transpose8(const __m128i (&rows)[8], __m128i (&columns)[8]) {

@@ -139,7 +139,7 @@ bool decode_samples_portable(const Geometry& g, const Model& model, const CodedS
 
 bool decode_samples(const Geometry& g, const Model& model, const CodedSamples& coded, std::int32_t base,
                     std::span<std::int32_t> samples) {
-#if defined(__x86_64__)
+#if defined(CAIRN_AVX2_DECODER)
   if (cpu_has_avx2()) return decode_samples_avx2(g, model, coded, base, samples);
 #endif
   return decode_samples_portable(g, model, coded, base, samples);

@@ -5,7 +5,7 @@
 
 #include "format/wavefront/decode_avx2.h"
 
-#if defined(__x86_64__)
+#if defined(CAIRN_AVX2_DECODER)
 
 #include <bit>
 #include <cstring>

@@ -3,7 +3,7 @@
 #include "format/wavefront/avx2.h"
 #include "format/wavefront/coder.h"
 
-#if defined(__x86_64__)
+#if defined(CAIRN_AVX2_DECODER)
 
 namespace cairn::wavefront {
 
