@@ -1,0 +1,247 @@
+// The page in headless Chromium, against `cairn serve` behind 80 ms of latency. Environment: CAIRN, the program;
+// CAIRN_PACK, a pack with heights and imagery; CAIRN_MODULES, a folder with puppeteer-core; CAIRN_PICTURES, where
+// pictures go (optional).
+import assert from "node:assert/strict";
+import { execFileSync, spawn } from "node:child_process";
+import { copyFileSync, existsSync, mkdtempSync, readFileSync, renameSync, rmSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { SlowProxy } from "./slow_proxy.mjs";
+
+const { CAIRN: cairn, CAIRN_PACK: packPath, CAIRN_MODULES: modules, CAIRN_PICTURES: pictures } = process.env;
+const chromium = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
+const puppeteer = createRequire(join(modules, "package.json"))("puppeteer-core");
+
+const LATENCY_MS = 80;
+const MOST_BYTES = 3e6;
+const MOST_REQUESTS = 60;
+const PATIENCE_MS = 240000; // a software renderer on a busy machine
+
+let browser, folder, pack;
+const running = [];
+
+/** Starts `cairn serve`; returns its port and process. */
+async function serve(...packs) {
+  const server = spawn(cairn, ["serve", ...packs, "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
+  running.push(server);
+  const url = await new Promise((resolve) => server.stdout.once("data", (data) => resolve(String(data).trim())));
+  return { server, port: new URL(url).port };
+}
+
+/** Opens the page; `errors` gets what the console shows as errors. */
+async function openPage(url, viewport = { width: 960, height: 540 }) {
+  const page = await browser.newPage();
+  page.setDefaultTimeout(PATIENCE_MS);
+  await page.setViewport(viewport);
+  const errors = [];
+  page.on("console", (line) => line.type() === "error" && errors.push(line.text()));
+  page.on("pageerror", (error) => errors.push(String(error)));
+  await page.goto(url);
+  return { page, errors };
+}
+
+function headerOf(path) {
+  return { indexOffset: Number(readFileSync(path).readBigUInt64LE(120)) };
+}
+
+/** Waits until all tiles of the view are there. */
+async function settled(page) {
+  await page.waitForFunction(
+    () => {
+      const view = globalThis.cairn?.view;
+      if (!view) return false;
+      view.widget.scene.requestRender();
+      return view.widget.scene.globe.tilesLoaded && document.getElementById("progress").hidden;
+    },
+    { polling: 200 },
+  );
+}
+
+async function messageOf(page) {
+  await page.waitForFunction(() => !document.getElementById("message").hidden);
+  return page.$eval("#message", (element) => element.textContent);
+}
+
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), "cairn-browser-"));
+  pack = join(folder, "pack.cairn");
+  copyFileSync(packPath, pack);
+  browser = await puppeteer.launch({
+    executablePath: chromium,
+    headless: true,
+    protocolTimeout: PATIENCE_MS,
+    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking", "--disable-component-update"],
+  });
+});
+
+after(async () => {
+  await browser?.close();
+  for (const server of running) server.kill();
+  rmSync(folder, { recursive: true });
+});
+
+test("the first view: bytes, requests, no error; heights bit for bit; controls", async () => {
+  const { port } = await serve(pack);
+  const proxy = new SlowProxy(port, LATENCY_MS);
+  const url = await proxy.listen();
+  const outside = [];
+  const { page, errors } = await openPage("about:blank");
+  page.on("request", (request) => {
+    if (!request.url().startsWith(url) && !/^(blob|data|about):/.test(request.url())) outside.push(request.url());
+  });
+  const begin = Date.now();
+  await page.goto(url);
+  await settled(page);
+  const first = { ...proxy.packs };
+  console.log(`first view: ${first.requests} requests and ${first.bytes} bytes of the pack, ${Date.now() - begin} ms`);
+  const counts = await page.evaluate(() => globalThis.cairn.view.imageryProvider.counts);
+  console.log(`imagery tiles: ${counts.copied} copied as blocks, ${counts.decoded} decoded`);
+  const picture = await page.screenshot({ path: pictures && join(pictures, "browser.png") });
+  assert.ok(first.bytes <= MOST_BYTES, `${first.bytes} bytes`);
+  assert.ok(first.requests <= MOST_REQUESTS, `${first.requests} requests`);
+  assert.ok(counts.copied > 0);
+  assert.ok(picture.length > 30000, "a picture of something");
+  assert.deepEqual(outside, []);
+
+  // Heights.
+  const bounds = await page.evaluate(() => globalThis.cairn.pack.metadata.bounds);
+  let state = 5;
+  const random = () => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32;
+  const places = Array.from({ length: 1000 }, () => [
+    bounds.west + random() * (bounds.east - bounds.west),
+    bounds.south + random() * (bounds.north - bounds.south),
+  ]);
+  const inPage = await page.evaluate(async (places) => {
+    const { heightAt, pack } = globalThis.cairn;
+    const out = [];
+    for (const [lon, lat] of places) out.push((await heightAt(pack, lon, lat))?.metres ?? null);
+    return out;
+  }, places);
+  const table = "lon,lat\n" + places.map(([lon, lat]) => `${lon},${lat}\n`).join("");
+  const sampled = JSON.parse(execFileSync(cairn, ["sample", pack, "--points", "-", "--json"], { input: table, maxBuffer: 1 << 26 }));
+  assert.deepEqual(inPage, sampled.map((one) => one.height));
+  assert.ok(inPage.filter((height) => height !== null).length > 300);
+
+  // The globe that is drawn is the pack's surface within what its level is off.
+  const drawn = await page.evaluate(() => {
+    const { view, Cesium } = globalThis.cairn;
+    const { scene, camera, canvas } = view.widget;
+    const out = [];
+    for (let i = 1; i < 10; ++i) {
+      const ray = camera.getPickRay(new Cesium.Cartesian2((canvas.clientWidth * i) / 10, canvas.clientHeight * 0.6));
+      const point = scene.globe.pick(ray, scene);
+      if (!point) continue;
+      const place = Cesium.Cartographic.fromCartesian(point);
+      out.push([Cesium.Math.toDegrees(place.longitude), Cesium.Math.toDegrees(place.latitude), place.height]);
+    }
+    return out;
+  });
+  assert.ok(drawn.length > 2);
+  const worst = await page.evaluate(() => {
+    const { view } = globalThis.cairn;
+    return view.terrain.levelErrorM(0);
+  });
+  const under = await page.evaluate(async (places) => {
+    const { heightAt, pack } = globalThis.cairn;
+    return Promise.all(places.map(async ([lon, lat]) => (await heightAt(pack, lon, lat))?.metres ?? 0));
+  }, drawn);
+  for (const [i, [lon, lat, height]] of drawn.entries())
+    assert.ok(Math.abs(height - under[i]) <= worst, `${lon} ${lat}: drawn ${height} m, the pack has ${under[i]} m`);
+
+  // Controls.
+  await page.type("#place", `${(bounds.south + bounds.north) / 2}, ${(bounds.west + bounds.east) / 2}`);
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => /° [NS]/.test(document.getElementById("place-info").value));
+  assert.match(await page.$eval("#place-info", (e) => e.value), / m, error up to .* m, level /);
+  await page.select("#show", "level");
+  await settled(page);
+  assert.ok((await page.$$("#legend li")).length > 0);
+  if (pictures) await page.screenshot({ path: join(pictures, "browser-levels.png") });
+  await page.select("#show", "error");
+  await settled(page);
+  if (pictures) await page.screenshot({ path: join(pictures, "browser-errors.png") });
+  await page.select("#show", "imagery");
+  await page.focus("#globe");
+  const cameraBefore = await page.evaluate(() => globalThis.cairn.view.widget.camera.positionCartographic.height);
+  await page.keyboard.press("-");
+  assert.ok((await page.evaluate(() => globalThis.cairn.view.widget.camera.positionCartographic.height)) > cameraBefore);
+  await page.click("#link");
+  const link = await page.evaluate(() => location.href);
+  assert.match(link, /#pack=packs\/pack\.cairn&camera=/);
+  await page.type("#place", " nonsense");
+  await page.keyboard.press("Enter");
+  assert.match(await messageOf(page), /expected a latitude and a longitude/);
+  assert.deepEqual(errors, []);
+  await page.close();
+
+  // A link leads to its view, on a phone too.
+  const phone = await openPage(link, { width: 375, height: 700, isMobile: true, hasTouch: true });
+  await settled(phone.page);
+  const camera = /camera=([^&]*)/.exec(link)[1];
+  assert.equal(/camera=([^&]*)/.exec(await phone.page.evaluate(() => location.href))[1], camera);
+  assert.ok(await phone.page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  await phone.page.touchscreen.tap(180, 500);
+  if (pictures) await phone.page.screenshot({ path: join(pictures, "browser-phone.png") });
+  assert.deepEqual(phone.errors, []);
+
+  // A file that the user chooses.
+  const input = await phone.page.$("#file");
+  await phone.page.evaluate(() => (globalThis.cairn = undefined));
+  await input.uploadFile(pack);
+  await phone.page.waitForFunction(() => globalThis.cairn?.pack.source.name === "pack.cairn");
+  await settled(phone.page);
+  assert.deepEqual(phone.errors, []);
+  await phone.page.close();
+  proxy.close();
+});
+
+/** Reads a block of heights in the page, past what is kept; returns the error's kind and words. */
+function readBlock(page) {
+  return page.evaluate(async () => {
+    const { pack } = globalThis.cairn;
+    const entries = await pack.entriesOfLevel(0, pack.levelRange(0).finest, 1e6);
+    try {
+      await pack.readChecked(entries.find((entry) => !entry.constant), "heights");
+      return "no error";
+    } catch (error) {
+      return `${error.kind}: ${error.message}`;
+    }
+  });
+}
+
+test("a damaged tile, a file that is replaced and a server that dies are said in words", async () => {
+  const { server, port } = await serve(pack);
+  const proxy = new SlowProxy(port, 0);
+  const url = await proxy.listen();
+
+  // Blocks only: header, root, index and metadata stay as they are.
+  const { indexOffset } = headerOf(pack);
+  proxy.spoil = (bytes, first) => {
+    const copy = Buffer.from(bytes);
+    if (first >= 16384 && first < indexOffset) for (let i = 0; i < copy.length; i += 100) copy[i] ^= 1;
+    return copy;
+  };
+  const damaged = await openPage(url);
+  assert.match(await messageOf(damaged.page), /pack\.cairn: .* expected its checksum, found another/);
+  await damaged.page.close();
+  proxy.spoil = undefined;
+
+  const replaced = await openPage(url);
+  await settled(replaced.page);
+  assert.equal(await readBlock(replaced.page), "no error");
+  const other = join(folder, "other.cairn");
+  execFileSync(cairn, ["bake", join(process.env.CAIRN_SOURCE, "sample-dem/jacksboro_fault.tif"), "-o", other]);
+  renameSync(other, pack);
+  assert.match(await readBlock(replaced.page), /^replaced: .*another one now/);
+  await replaced.page.close();
+
+  const dying = await openPage(url);
+  await settled(dying.page);
+  assert.equal(await readBlock(dying.page), "no error");
+  server.kill("SIGKILL");
+  assert.match(await readBlock(dying.page), /^network: .*cannot be reached/);
+  await dying.page.close();
+  proxy.close();
+});
