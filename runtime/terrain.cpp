@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include <glm/geometric.hpp>
@@ -10,6 +11,8 @@
 #include "cairn/geodesy.h"
 #include "runtime/paging/pager.h"
 #include "runtime/paging/tile_availability.h"
+#include "runtime/paging/tile_selection.h"
+#include "runtime/paging/tile_tree.h"
 #include "runtime/scene/focus_tile.h"
 #include "runtime/view/ground_height.h"
 #include "runtime/view/motion_predictor.h"
@@ -17,6 +20,8 @@
 namespace cairn {
 namespace {
 
+constexpr std::size_t kMostViews = 64;
+constexpr std::uint64_t kUpdatesPerLookAhead = 8;
 constexpr double kFarthest_m = 1e12;  // beyond, differences of positions lose what a pixel is
 
 Error out_of_range(const char* option, const std::string& expected, const std::string& found) {
@@ -34,6 +39,9 @@ Status check(const TerrainOptions& o, const TileAvailability& contents) {
   for (const double margin : {o.tile_margin, o.level_margin}) {
     if (!(margin >= 0 && margin < 1)) return out_of_range("margin", "0 to 1", std::to_string(margin));
   }
+  for (const double limit : {o.tolerance_px, o.texel_px}) {
+    if (!(limit > 0)) return out_of_range("tolerance_px and texel_px", "above 0", std::to_string(limit));
+  }
   if (!(o.look_ahead_s >= 0))
     return out_of_range("look_ahead_s", "0 or more", std::to_string(o.look_ahead_s));
   const std::uint64_t least = Pager::least_bytes(contents, o.workers);
@@ -48,7 +56,7 @@ Error bad_view(const char* what, const std::string& expected, double found) {
                      std::to_string(found));
 }
 
-Status check(const ViewState& view, double dt_s) {
+Status check(const ViewState& view) {
   struct Number {
     const char* name;
     double value;
@@ -67,8 +75,26 @@ Status check(const ViewState& view, double dt_s) {
   }
   if (view.viewport_width_px < 1) return bad_view("viewport width", "1 or more", view.viewport_width_px);
   if (view.viewport_height_px < 1) return bad_view("viewport height", "1 or more", view.viewport_height_px);
+  return {};
+}
+
+Status check(std::span<const ViewState> views, double dt_s) {
+  if (views.empty() || views.size() > kMostViews) {
+    return bad_view("number of views", "1 to " + std::to_string(kMostViews),
+                    static_cast<double>(views.size()));
+  }
+  for (const ViewState& view : views) {
+    if (const Status status = check(view); !status) return status;
+  }
   if (!(dt_s >= 0)) return bad_view("time since the last update", "0 or more", dt_s);
   return {};
+}
+
+bool is_same_view(const ViewState& a, const ViewState& b) {
+  return a.eye.lon == b.eye.lon && a.eye.lat == b.eye.lat && a.height_m == b.height_m &&
+         a.heading_deg == b.heading_deg && a.pitch_deg == b.pitch_deg && a.roll_deg == b.roll_deg &&
+         a.fov_y_deg == b.fov_y_deg && a.viewport_width_px == b.viewport_width_px &&
+         a.viewport_height_px == b.viewport_height_px;
 }
 
 }  // namespace
@@ -78,84 +104,77 @@ struct Terrain::State {
       : options(o),
         contents(std::move(pack)),
         occluder(contents.lowest_m()),
-        eye(o.tile_margin, o.level_margin),
-        eye_ahead(o.tile_margin, o.level_margin),
-        pager(contents, std::move(source), occluder, {o.cache_bytes, o.delivery_bytes, o.workers}) {
+        tree(contents, occluder),
+        pager(contents, tree, std::move(source), {o.cache_bytes, o.delivery_bytes, o.workers}) {
     list.lowest_m = contents.lowest_m();
   }
 
-  TileId eye_tile_for(FocusTile& held, const ViewState& view) const;
-  TileCut cover_for(const TileId& eye_tile) const;
-  void add_to_cover(const TileId& area, bool has_source, TileCut& cover) const;
-  void aim(const TileId& eye_tile);
-  void look_ahead(const ViewState& view, double dt_s);
+  /// What one of the views keeps from update to update.
+  struct Eye {
+    explicit Eye(const TerrainOptions& o)
+        : focus(o.tile_margin, o.level_margin), focus_ahead(o.tile_margin, o.level_margin) {}
+    FocusTile focus;
+    FocusTile focus_ahead;
+    MotionPredictor motion;
+  };
+
+  SelectionRules rules() const;
+  void retarget(std::span<const ViewState> views);
+  void look_ahead(std::span<const ViewState> views, double dt_s);
   std::size_t count_failing(const TileCut& cover) const;
   void list_tiles();
+  void measure_list();
   void count_holes();
   const RenderList& refuse(const Error& error);
 
-  const TerrainOptions options;
+  TerrainOptions options;
   TileAvailability contents;
   const Occluder occluder;
-  FocusTile eye;
-  FocusTile eye_ahead;
-  MotionPredictor motion;
-  std::optional<TileId> aimed_at;
-  std::optional<TileId> looked_at;
+  TileTree tree;
+  std::vector<Eye> eyes;
+  std::vector<ViewState> seen_views;
+  std::vector<SelectionView> selection_views;
   std::uint64_t availability_seen = 0;
   std::size_t failing = 0;  // tiles of the target that cannot be read at present
+  std::uint64_t updates_until_ahead = 0;
   bool view_refused = false;
   PagingStats counts;
   bool any_shown = false;
   RenderList list;
+  std::vector<Shortfall> shortfalls;  // of the list's tiles
   Pager pager;
 };
 
-/// Measured from the highest ground that the eye's tile may have, from the index: what is loaded must not
-/// decide the level.
-TileId Terrain::State::eye_tile_for(FocusTile& held, const ViewState& view) const {
-  const double above_ground_m = view.height_m - contents.ceiling_m(view.eye);
-  const double ideal = level_for_pixel_size(view, above_ground_m, contents.pack().header().tile_size);
-  return held.update(view.eye, ideal, kMinLevel, contents.levels().finest);
+SelectionRules Terrain::State::rules() const {
+  return {kTileShare * options.tolerance_px, options.texel_px, std::exp2(options.level_margin),
+          pager.target_bytes()};
 }
 
-TileCut Terrain::State::cover_for(const TileId& eye_tile) const {
-  const SceneMap map = build_scene_map({eye_tile, kMinLevel, options.pattern},
-                                       [this](const TileId& id) { return contents.shows(id); });
-  TileCut cover;
-  cover.reserve(map.size());
-  for (const SceneTile& tile : map) add_to_cover(tile.area, tile.has_source(), cover);
-  std::sort(cover.begin(), cover.end(),
-            [](const CutNode& a, const CutNode& b) { return depth_first_before(a.area, b.area); });
-  return cover;
-}
-
-/// An area with nothing to show is split as far as needed for the coarsest tiles in it to show.
-void Terrain::State::add_to_cover(const TileId& area, bool has_source, TileCut& cover) const {
-  if (has_source || !contents.is_above_tiles(area)) {
-    cover.push_back(make_cover_tile(area, contents, occluder, pager.target()));
+void Terrain::State::retarget(std::span<const ViewState> views) {
+  while (eyes.size() < views.size()) eyes.emplace_back(options);
+  const bool is_available_anew = availability_seen != pager.availability_version();
+  if (std::equal(views.begin(), views.end(), seen_views.begin(), seen_views.end(), is_same_view) &&
+      !is_available_anew)
     return;
-  }
-  for (int quadrant = 0; quadrant < 4; ++quadrant) {
-    const TileId child = child_of(area, quadrant);
-    if (is_valid(child)) add_to_cover(child, contents.shows(child), cover);
-  }
-}
-
-void Terrain::State::aim(const TileId& eye_tile) {
-  if (aimed_at == eye_tile && availability_seen == pager.availability_version()) return;
-  counts.moves += aimed_at != eye_tile;
-  aimed_at = eye_tile;
-  looked_at.reset();
+  if (is_available_anew) tree.forget();
+  tree.trim();
   availability_seen = pager.availability_version();
-  TileCut cover = cover_for(eye_tile);
-  list.is_limited = !pager.fits(cover);
-  for (TileId coarser = eye_tile; !pager.fits(cover) && coarser.level > kMinLevel;) {
-    coarser = parent_of(coarser);
-    cover = cover_for(coarser);
+  seen_views.assign(views.begin(), views.end());
+  selection_views.clear();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    selection_views.push_back(selection_view(views[i], contents, occluder, options.pattern, eyes[i].focus));
   }
-  failing = count_failing(cover);
-  pager.set_target(std::move(cover));
+  TileSelection selection = select_tiles(tree, selection_views, rules(), pager.target());
+  list.is_limited = selection.is_limited;
+  failing = count_failing(selection.cut);
+  const auto is_same = [](const CutNode& a, const CutNode& b) { return a.shows_same(b); };
+  const TileCut& target = pager.target();
+  if (!is_available_anew &&
+      std::equal(selection.cut.begin(), selection.cut.end(), target.begin(), target.end(), is_same))
+    return;
+  ++counts.moves;
+  updates_until_ahead = 0;
+  pager.set_target(std::move(selection.cut));
 }
 
 /// Of the tiles that cannot be read at present, those that an area of the cover would show.
@@ -172,16 +191,23 @@ std::size_t Terrain::State::count_failing(const TileCut& cover) const {
       }));
 }
 
-void Terrain::State::look_ahead(const ViewState& view, double dt_s) {
-  const double reach_m = 4 * tile_width_degrees(aimed_at->level) * kMeridianDegree_m;
-  const ViewState there = motion.predict(view, dt_s, options.look_ahead_s, reach_m);
-  const TileId tile = eye_tile_for(eye_ahead, there);
-  if (looked_at == tile) return;
-  looked_at = tile;
+void Terrain::State::look_ahead(std::span<const ViewState> views, double dt_s) {
+  std::vector<SelectionView> there;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double reach_m = 4 * tile_width_degrees(selection_views[i].eye_tile.level) * kMeridianDegree_m;
+    const ViewState ahead = eyes[i].motion.predict(views[i], dt_s, options.look_ahead_s, reach_m);
+    if (updates_until_ahead > 0) continue;
+    there.push_back(selection_view(ahead, contents, occluder, options.pattern, eyes[i].focus_ahead));
+  }
+  if (updates_until_ahead > 0) {
+    --updates_until_ahead;
+    return;
+  }
+  updates_until_ahead = kUpdatesPerLookAhead;
   std::vector<IndexEntry> ahead;
-  if (tile != *aimed_at) {
-    for (const CutNode& place : cover_for(tile)) {
-      place.for_each_source([&](const IndexEntry& entry) { ahead.push_back(entry); });
+  if (options.look_ahead_s > 0) {
+    for (const CutNode& node : select_tiles(tree, there, rules(), pager.target()).cut) {
+      node.for_each_source([&](const IndexEntry& entry) { ahead.push_back(entry); });
     }
   }
   pager.set_ahead(std::move(ahead));
@@ -190,6 +216,7 @@ void Terrain::State::look_ahead(const ViewState& view, double dt_s) {
 void Terrain::State::list_tiles() {
   list.version = pager.drawn_version();
   list.tiles.clear();
+  shortfalls.clear();
   for (const CutNode& place : pager.drawn()) {
     RenderTile tile;
     tile.area = tile.heights_id = tile.imagery_id = place.area;
@@ -203,9 +230,34 @@ void Terrain::State::list_tiles() {
       tile.imagery_id = place.imagery->id;
       if (const LoadedTile* loaded = pager.find(*place.imagery)) tile.imagery = loaded->texture;
     }
+    const Shortfall shortfall = shortfall_of(tree, place);
+    tile.finer_error_m = static_cast<float>(shortfall.heights_m);
+    shortfalls.push_back(shortfall);
     list.tiles.push_back(std::move(tile));
   }
   count_holes();
+}
+
+/// What can be seen of the list, and how good it is.
+void Terrain::State::measure_list() {
+  list.error_px = list.texel_px = 0;
+  for (std::size_t i = 0; i < list.tiles.size(); ++i) {
+    RenderTile& tile = list.tiles[i];
+    tile.seen_by = 0;
+    tile.distance_m = std::numeric_limits<double>::infinity();
+    for (std::size_t v = 0; v < selection_views.size(); ++v) {
+      const SelectionView& view = selection_views[v];
+      tile.distance_m = std::min(tile.distance_m, tile.volume.distance_m(view.frustum.eye()));
+      if (!view.frustum.sees(tile.volume)) continue;
+      tile.seen_by |= std::uint64_t{1} << v;
+      list.error_px = std::max(list.error_px, view.scale.error_px(tile.volume, shortfalls[i].heights_m));
+      if (shortfalls[i].texel_m > 0) {
+        list.texel_px = std::max(list.texel_px, view.scale.length_px(tile.volume, shortfalls[i].texel_m));
+      }
+    }
+    tile.visible = tile.seen_by != 0;
+    if (tile.visible) pager.drawn()[i].for_each_source([this](const IndexEntry& e) { pager.note_seen(e); });
+  }
 }
 
 void Terrain::State::count_holes() {
@@ -257,19 +309,21 @@ Result<Terrain> Terrain::open_source(std::shared_ptr<const PackReader> pack, con
 }
 
 const RenderList& Terrain::update(const ViewState& view, double dt_s) {
+  return update(std::span(&view, 1), dt_s);
+}
+
+const RenderList& Terrain::update(std::span<const ViewState> views, double dt_s) {
   State& s = *state_;
-  if (const Status status = check(view, dt_s); !status) return s.refuse(status.error());
+  if (const Status status = check(views, dt_s); !status) return s.refuse(status.error());
   s.view_refused = false;
-  s.aim(s.eye_tile_for(s.eye, view));  // 1. which map the eye wants
-  s.look_ahead(view, dt_s);            // 2. which it may want next
-  s.pager.advance();                   // 3. what has come in, replaces what it can
+  s.retarget(views);          // 1. which tiles the views need
+  s.look_ahead(views, dt_s);  // 2. which they may need next
+  s.pager.advance();          // 3. what has come in, replaces what it can
   if (s.list.version != s.pager.drawn_version()) s.list_tiles();
-  const ViewFrustum volume(view, s.occluder);
-  s.pager.request(volume);                 // 4. what is missing, asked for
-  for (RenderTile& tile : s.list.tiles) {  // 5. what of the map can be seen
-    tile.visible = volume.sees(tile.volume);
-    tile.distance_m = tile.volume.distance_m(volume.eye());
-  }
+  std::vector<ViewFrustum> frusta;
+  for (const SelectionView& view : s.selection_views) frusta.push_back(view.frustum);
+  s.pager.request(frusta);  // 4. what is missing, asked for
+  s.measure_list();         // 5. what of it can be seen, and how well
   s.list.is_complete = s.pager.is_settled() && s.failing == 0;
   s.list.is_settled = s.pager.is_settled() || s.pager.only_failing();
   s.list.evicted = s.pager.take_evicted();
@@ -277,6 +331,13 @@ const RenderList& Terrain::update(const ViewState& view, double dt_s) {
   ++s.counts.updates;
   s.counts.updates_behind += !s.list.is_complete;
   return s.list;
+}
+
+void Terrain::set_tolerance_px(double tolerance_px) {
+  assert(tolerance_px > 0);
+  if (state_->options.tolerance_px == tolerance_px) return;
+  state_->options.tolerance_px = tolerance_px;
+  state_->seen_views.clear();  // the next update selects anew
 }
 
 std::optional<double> Terrain::ground_height_m(LonLat place) const {
@@ -290,7 +351,7 @@ std::optional<double> Terrain::ground_height_m(LonLat place) const {
 }
 
 TileId Terrain::eye_tile() const {
-  return state_->aimed_at.value_or(TileId{kMinLevel, 0, 0});
+  return state_->selection_views.empty() ? TileId{kMinLevel, 0, 0} : state_->selection_views[0].eye_tile;
 }
 
 PagingStats Terrain::stats() const {

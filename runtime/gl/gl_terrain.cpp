@@ -41,6 +41,7 @@ Result<GlTerrain> GlTerrain::create(std::shared_ptr<const PackReader> pack, cons
 const RenderList& GlTerrain::update(const ViewState& view, double dt_s, double tolerance_px) {
   State& s = *state_;
   s.view = view;
+  s.terrain.set_tolerance_px(tolerance_px);
   s.list = &s.terrain.update(view, dt_s);
   s.frame = &s.surface.frame(*s.list, {view, tolerance_px, dt_s});
   s.renderer.take(*s.frame);

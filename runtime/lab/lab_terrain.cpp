@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
-#include <glm/geometric.hpp>
-
 #include "format/tile_edges.h"
-#include "runtime/lod/mesh/screen.h"
+#include "runtime/paging/tile_selection.h"
 #include "runtime/view/ground_height.h"
-#include "runtime/view/view_frustum.h"
 
 namespace cairn {
 namespace {
@@ -28,14 +26,12 @@ void drop_unused(Kept& kept) {
   std::erase_if(kept, [](const auto& item) { return item.second.use_count() == 1; });
 }
 
-double radius_m(const BoundingVolume& volume) {
-  return glm::length(volume.half_axes[0] + volume.half_axes[1] + volume.half_axes[2]);
-}
-
 }  // namespace
 
 LabTerrain::LabTerrain(std::shared_ptr<const PackReader> pack)
-    : contents_(std::move(pack)), occluder_(contents_.lowest_m()) {
+    : contents_(std::make_unique<TileAvailability>(std::move(pack))),
+      occluder_(contents_->lowest_m()),
+      tree_(*contents_, occluder_) {
   const auto range = this->pack().levels(Layer::heights);
   if (!range) return;
   std::set<TileId> roots;
@@ -47,10 +43,10 @@ LabTerrain::LabTerrain(std::shared_ptr<const PackReader> pack)
 }
 
 bool LabTerrain::has_finer(const TileId& area) const {
-  if (area.level == kMaxLevel || !contents_.has(Layer::heights, area)) return false;
+  if (area.level == kMaxLevel || !contents_->has(Layer::heights, area)) return false;
   for (int quadrant = 0; quadrant < 4; ++quadrant) {
     const TileId child = child_of(area, quadrant);
-    if (is_valid(child) && contents_.has(Layer::heights, child)) return true;
+    if (is_valid(child) && contents_->has(Layer::heights, child)) return true;
   }
   return false;
 }
@@ -60,7 +56,7 @@ void LabTerrain::list_finest(const TileId& area) {
     std::vector<TileId> parts;
     within_world(area, parts);
     for (const TileId& part : parts) {
-      const IndexEntry source = *contents_.nearest(Layer::heights, part);
+      const IndexEntry source = *contents_->nearest(Layer::heights, part);
       finest_.push_back({part, source, volume_of(part, source)});
     }
     return;
@@ -71,38 +67,21 @@ void LabTerrain::list_finest(const TileId& area) {
   }
 }
 
-void LabTerrain::add_to_cover(const TileId& area, bool has_source, std::vector<TileId>& cover) const {
-  if (has_source) cover.push_back(area);
-  if (has_source || !contents_.is_above_tiles(area)) return;
-  for (int quadrant = 0; quadrant < 4; ++quadrant) {
-    const TileId child = child_of(area, quadrant);
-    if (is_valid(child)) add_to_cover(child, contents_.has(Layer::heights, child), cover);
+std::vector<LabTerrain::SceneArea> LabTerrain::areas_for(const ViewState& view, const SceneRules& rules) {
+  SelectionView selection = selection_view(view, *contents_, occluder_, rules.pattern, eye_);
+  if (!rules.with_ring) selection.ring = SplitSet();
+  tree_.trim();
+  const SelectionRules limits{rules.refine_px, std::numeric_limits<double>::infinity()};
+  std::vector<SceneArea> areas;
+  for (const CutNode& node : select_tiles(tree_, {&selection, 1}, limits, {}).cut) {
+    if (!node.heights) continue;
+    std::vector<TileId> parts;
+    within_world(node.area, parts);
+    for (const TileId& part : parts) areas.push_back({part, *node.heights});
   }
-}
-
-std::vector<TileId> LabTerrain::areas_for(const ViewState& view, RefinementPattern pattern) {
-  const double above_ground_m = view.height_m - contents_.ceiling_m(view.eye);
-  const double ideal = level_for_pixel_size(view, above_ground_m, pack().header().tile_size);
-  const TileId eye_tile = eye_.update(view.eye, ideal, kMinLevel, contents_.levels().finest);
-  const SceneMap map = build_scene_map(
-      {eye_tile, kMinLevel, pattern}, [this](const TileId& id) { return contents_.has(Layer::heights, id); });
-  std::vector<TileId> cover;
-  for (const SceneTile& tile : map) add_to_cover(tile.area, tile.has_source(), cover);
-  return cover;
-}
-
-void LabTerrain::refine(const TileId& area, const ViewState& view, double refine_px,
-                        std::vector<TileId>& out) const {
-  const IndexEntry source = *contents_.nearest(Layer::heights, area);
-  const BoundingVolume& volume = volume_of(area, source);
-  const bool splits = refine_px > 0 && has_finer(area) && ViewFrustum(view, occluder_).sees(volume) &&
-                      Screen(view).bound_px(static_cast<double>(source.geometric_error_m), volume.centre,
-                                            radius_m(volume)) > refine_px;
-  if (!splits) return within_world(area, out);
-  for (int quadrant = 0; quadrant < 4; ++quadrant) {
-    const TileId child = child_of(area, quadrant);
-    if (is_valid(child)) refine(child, view, refine_px, out);
-  }
+  std::sort(areas.begin(), areas.end(),
+            [](const SceneArea& a, const SceneArea& b) { return a.area < b.area; });
+  return areas;
 }
 
 void LabTerrain::within_world(const TileId& area, std::vector<TileId>& out) const {
@@ -114,7 +93,7 @@ void LabTerrain::within_world(const TileId& area, std::vector<TileId>& out) cons
 }
 
 const BoundingVolume& LabTerrain::volume_of(const TileId& area, const IndexEntry& source) const {
-  const auto [it, fresh] = volumes_.try_emplace(area);
+  const auto [it, fresh] = volumes_.try_emplace({area, source.id});
   if (fresh) {
     const double quantum_m = pack().header().quantum_m;
     it->second = bounding_volume(tile_bounds(area), source.min_quanta * quantum_m,
@@ -143,6 +122,12 @@ Result<std::shared_ptr<const std::vector<std::byte>>> LabTerrain::flags(const Ti
   return flags_[id] = block;
 }
 
+/// How far the pack's finest heights may lie from what the source shows in an area.
+double LabTerrain::error_m_of(const TileId& area, const IndexEntry& source) const {
+  const bool is_finest = !has_finer(area) && contents_->nearest(Layer::heights, area) == source;
+  return is_finest ? 0 : static_cast<double>(source.geometric_error_m);
+}
+
 Result<LodTile> LabTerrain::load(const TileId& area, const IndexEntry& source) {
   const double quantum_m = pack().header().quantum_m;
   LodTile tile{area,
@@ -150,7 +135,7 @@ Result<LodTile> LabTerrain::load(const TileId& area, const IndexEntry& source) {
                nullptr,
                source.min_quanta * quantum_m,
                source.max_quanta * quantum_m,
-               has_finer(area) ? static_cast<double>(source.geometric_error_m) : 0,
+               error_m_of(area, source),
                volume_of(area, source),
                nullptr};
   const auto samples = heights(source);
@@ -163,12 +148,8 @@ Result<LodTile> LabTerrain::load(const TileId& area, const IndexEntry& source) {
 }
 
 Result<LodScene> LabTerrain::scene_for(const ViewState& view, const SceneRules& rules) {
-  std::vector<TileId> areas;
-  for (const TileId& area : areas_for(view, rules.pattern)) refine(area, view, rules.refine_px, areas);
-  std::sort(areas.begin(), areas.end());
   LodScene scene{pack().header().tile_size, pack().header().quantum_m, lowest_m(), {}};
-  for (const TileId& area : areas) {
-    const IndexEntry source = *contents_.nearest(Layer::heights, area);
+  for (const auto& [area, source] : areas_for(view, rules)) {
     if (area.level - source.id.level > std::ilogb(scene.tile_size - 1)) {
       return bad_data(pack().path().string() + ": " + to_string(area) +
                       ": expected a source with a sample at its corners, found " + to_string(source.id));
@@ -183,7 +164,7 @@ Result<LodScene> LabTerrain::scene_for(const ViewState& view, const SceneRules& 
 Result<std::optional<double>> LabTerrain::ground_m(LonLat place) {
   const auto range = pack().levels(Layer::heights);
   if (!range) return std::optional<double>();
-  const auto entry = contents_.nearest(Layer::heights, tile_at(place, range->finest));
+  const auto entry = contents_->nearest(Layer::heights, tile_at(place, range->finest));
   if (!entry) return std::optional<double>();
   const auto tile = heights(*entry);
   if (!tile) return tile.error();

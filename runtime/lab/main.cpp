@@ -13,6 +13,7 @@
 #include "runtime/lab/camera_path.h"
 #include "runtime/lab/compare.h"
 #include "runtime/lab/draw_charts.h"
+#include "runtime/lab/flight_loads.h"
 #include "runtime/lab/mesh_file.h"
 #include "runtime/lab/report.h"
 
@@ -38,6 +39,8 @@ struct Options {
   double tolerance_px = 1;
   double fov_deg = 60;
   std::filesystem::path mesh;
+  std::uint64_t cache_mib = 512;
+  double look_ahead_s = TerrainOptions().look_ahead_s;
   bool cull = false;
   bool ecef = false;
 };
@@ -47,19 +50,24 @@ void declare_common(CLI::App& app, Options& o) {
   app.add_option("--size", o.size, "of the viewport, in pixels: WxH");
   app.add_option(
          "--tiles", o.tiles,
-         "map: the scene map as it is; error: refined where a tile's own error projects above half of "
-         "the tolerance")
+         "map: what the runtime shows, refined where a tile's own error may project above half of the "
+         "tolerance, with the ring of tiles around the eye; error: without the ring")
       ->check(CLI::IsMember({"map", "error"}));
   app.add_flag("--roughness", o.lod.roughness, "quadtree: split rough ground further");
   app.add_flag("--angle-compensation", o.lod.angle_compensation, "quadtree: split less when looking ahead");
 }
 
-void declare_compare(CLI::App& app, Options& o) {
-  declare_common(app, o);
+std::string names_of_flights() {
   std::string names;
   for (const std::string_view name : built_in_flights())
     names += (names.empty() ? "" : ", ") + std::string(name);
-  app.add_option("--flight", o.flights, "files of cairn-view, or of " + names + "; several, or all");
+  return names;
+}
+
+void declare_compare(CLI::App& app, Options& o) {
+  declare_common(app, o);
+  app.add_option("--flight", o.flights,
+                 "files of cairn-view, or of " + names_of_flights() + "; several, or all");
   app.add_option("--methods", o.methods, "names parted by commas, or all");
   app.add_option("--tolerance", o.tolerances, "pixels, parted by commas");
   app.add_option("--frames", o.frames, "of a flight")->check(CLI::Range(2, 100000));
@@ -80,6 +88,17 @@ void declare_mesh(CLI::App& app, Options& o) {
   app.add_option("-o,--output", o.mesh, "OUT.obj or OUT.ply")->required();
   app.add_flag("--cull", o.cull, "only what may be visible");
   app.add_flag("--ecef", o.ecef, "vertices in geocentric metres");
+}
+
+void declare_load(CLI::App& app, Options& o) {
+  app.add_option("pack", o.pack, "the pack")->required();
+  app.add_option("--size", o.size, "of the viewport, in pixels: WxH");
+  app.add_option("--flight", o.flights,
+                 "files of cairn-view, or of " + names_of_flights() + "; several, or all");
+  app.add_option("--tolerance", o.tolerance_px, "pixels")->check(CLI::Range(1e-6, 1e6));
+  app.add_option("--frames", o.frames, "of a flight, 0.1 s each")->check(CLI::Range(2, 100000));
+  app.add_option("--cache", o.cache_mib, "MiB of tiles in memory")->check(CLI::Range(1, 1 << 20));
+  app.add_option("--look-ahead", o.look_ahead_s, "seconds; 0 for none")->check(CLI::Range(0.0, 3600.0));
 }
 
 std::vector<std::string> words_of(const std::string& list) {
@@ -138,7 +157,7 @@ Result<LabTerrain> open_terrain(const Options& o) {
 }
 
 SceneRules rules_of(const Options& o) {
-  return {RefinementPattern::restricted, o.tiles == "error" ? 0.5 : 0.0};
+  return {RefinementPattern::restricted, kTileShare, o.tiles == "map"};
 }
 
 Result<CompareSpec> spec_of(const Options& o) {
@@ -162,18 +181,19 @@ Status write_text(const std::filesystem::path& path, const std::string& text) {
   return {};
 }
 
+std::vector<std::string> flights_of(const Options& o) {
+  if (o.flights != std::vector<std::string>{"all"}) return o.flights;
+  return {built_in_flights().begin(), built_in_flights().end()};
+}
+
 Status run_compare(const Options& o) {
   const auto spec = spec_of(o);
   if (!spec) return spec.error();
   auto terrain = open_terrain(o);
   if (!terrain) return terrain.error();
-  std::vector<std::string> flights = o.flights;
-  if (flights == std::vector<std::string>{"all"}) {
-    flights.assign(built_in_flights().begin(), built_in_flights().end());
-  }
   CompareReport report{o.pack.filename().string(), machine_name(), {}};
   std::string csv = csv_header();
-  for (const std::string& flight : flights) {
+  for (const std::string& flight : flights_of(o)) {
     const auto path = camera_path(flight, *terrain, o.frames);
     if (!path) return path.error();
     const Status status = compare(*terrain, *path, *spec, [&](const FrameRecord& record) {
@@ -188,6 +208,32 @@ Status run_compare(const Options& o) {
   if (const Status status = write_text(o.out / "frames.csv", csv); !status) return status;
   if (const Status status = write_text(o.out / "summary.json", to_json(report)); !status) return status;
   return o.no_charts ? Status{} : draw_charts(o.out);
+}
+
+Status run_load(const Options& o) {
+  Result<PackReader> opened = PackReader::open(o.pack);
+  if (!opened) return opened.error();
+  const auto pack = std::make_shared<const PackReader>(std::move(*opened));
+  const auto size = viewer::parse_size(o.size);
+  if (!size) return size.error();
+  LabTerrain terrain(pack);
+  TerrainOptions options;
+  options.cache_bytes = o.cache_mib << 20;
+  options.tolerance_px = o.tolerance_px;
+  options.look_ahead_s = o.look_ahead_s;
+  std::cout << flight_loads_header();
+  for (const std::string& flight : flights_of(o)) {
+    auto path = camera_path(flight, terrain, o.frames);
+    if (!path) return path.error();
+    for (ViewState& view : path->views) {
+      view.viewport_width_px = size->width;
+      view.viewport_height_px = size->height;
+    }
+    const auto loads = loads_of(pack, *path, options);
+    if (!loads) return loads.error();
+    std::cout << to_row(*loads) << std::flush;
+  }
+  return {};
 }
 
 Status run_mesh(const Options& o) {
@@ -226,6 +272,9 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   CLI::App* compare = app.add_subcommand("compare", "fly every method along flights and draw the charts");
   cairn::declare_compare(*compare, options);
+  CLI::App* load =
+      app.add_subcommand("load", "count what a terrain loads along flights, and what no view saw");
+  cairn::declare_load(*load, options);
   CLI::App* mesh = app.add_subcommand("mesh", "write the mesh of a camera's scene");
   cairn::declare_mesh(*mesh, options);
   try {
@@ -235,5 +284,6 @@ int main(int argc, char** argv) {
     std::cerr << "cairn-lab: " << error.what() << "\n";
     return static_cast<int>(cairn::ErrorCode::usage);
   }
-  return cairn::report(compare->parsed() ? cairn::run_compare(options) : cairn::run_mesh(options));
+  if (compare->parsed()) return cairn::report(cairn::run_compare(options));
+  return cairn::report(load->parsed() ? cairn::run_load(options) : cairn::run_mesh(options));
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -24,6 +25,9 @@ std::uint64_t bytes_of_a_place(const TileAvailability& contents) {
   return decoded_bytes_bound(heights, size) +
          (contents.has_imagery() ? decoded_bytes_bound(imagery, size) : 0);
 }
+
+// What the tree of tiles and its selections take beside the tiles themselves.
+constexpr std::uint64_t kTreeBytes = 3u << 20;
 
 /// Reading a tile takes its block, which may be as large as the tile, and the decoder's working memory,
 /// beside the tile itself.
@@ -53,35 +57,25 @@ struct Pager::Need {
   }
 };
 
-Pager::Pager(TileAvailability& contents, TileSource source, const Occluder& occluder,
-             const PagerOptions& options)
+Pager::Pager(TileAvailability& contents, const TileTree& tree, TileSource source, const PagerOptions& options)
     : contents_(contents),
-      occluder_(occluder),
+      tree_(tree),
       options_(options),
       place_bytes_(bytes_of_a_place(contents)),
-      capacity_(options.cache_bytes - bytes_of_workers(contents, options.workers)),
+      capacity_(options.cache_bytes - kTreeBytes - bytes_of_workers(contents, options.workers)),
       queue_(std::move(source), options.workers, contents.pack().header().tile_size) {
   assert(options.cache_bytes >= least_bytes(contents, options.workers));
-  const CutNode root = make_cover_tile({kMinLevel, 0, 0}, contents_, occluder_);
+  const CutNode& root = tree.node({kMinLevel, 0, 0}).best;
   drawn_ = {CutNode{root.area, std::nullopt, std::nullopt, root.volume}};
   target_ = {root};
 }
 
 std::uint64_t Pager::least_bytes(const TileAvailability& contents, int workers) {
-  return bytes_of_workers(contents, workers) + kLeastPlaces * bytes_of_a_place(contents);
+  return kTreeBytes + bytes_of_workers(contents, workers) + kLeastPlaces * bytes_of_a_place(contents);
 }
 
-bool Pager::fits(const TileCut& cover) const {
-  std::unordered_set<TileKey> seen;
-  std::uint64_t bytes = kSparePlaces * place_bytes_;
-  for (const CutNode& tile : cover) {
-    tile.for_each_source([&](const IndexEntry& entry) {
-      if (seen.insert(key_of(entry)).second) {
-        bytes += decoded_bytes_bound(entry, contents_.pack().header().tile_size);
-      }
-    });
-  }
-  return bytes <= capacity_;
+std::uint64_t Pager::target_bytes() const {
+  return capacity_ - kSparePlaces * place_bytes_;
 }
 
 void Pager::set_target(TileCut target) {
@@ -102,10 +96,10 @@ void Pager::advance() {
   }
 }
 
-void Pager::request(const ViewFrustum& view) {
+void Pager::request(std::span<const ViewFrustum> views) {
   if (outdated_ || (settled_ && planned_)) return;
   const auto now = LoadQueue::Clock::now();
-  plan(view);
+  plan(views);
   queue_.set_wanted(missing_, now);
   ask(now);
   planned_ = settled_ && queue_.size() == 0;
@@ -116,6 +110,8 @@ void Pager::receive(LoadQueue::Clock::time_point now) {
   for (LoadQueue::Delivery& delivery : queue_.deliver(options_.delivery_bytes, now)) {
     planned_ = false;
     if (delivery.tile) {
+      unseen_.insert(key_of(delivery.entry));
+      unseen_bytes_ += delivery.entry.bytes;
       cache_.insert(key_of(delivery.entry), std::move(*delivery.tile));
       if (pauses_.erase(key_of(delivery.entry)) > 0) reported_.erase(key_of(delivery.entry));
     } else {
@@ -158,11 +154,25 @@ bool Pager::is_ready(const CutNode& tile) const {
   return ready;
 }
 
-TileCut Pager::children_of(const CutNode& tile) const {
+/// The children of the area that a change refines, with no finer sources than the target has there.
+TileCut Pager::first_step(const CutChange& change) const {
   TileCut children;
+  std::size_t at = change.new_first;
+  const std::size_t end = change.new_first + change.new_count;
   for (int quadrant = 0; quadrant < 4; ++quadrant) {
-    const TileId id = child_of(tile.area, quadrant);
-    if (is_valid(id)) children.push_back(make_cover_tile(id, contents_, occluder_));
+    const TileId id = child_of(drawn_[change.old_first].area, quadrant);
+    if (!is_valid(id)) continue;
+    const CutNode& best = tree_.node(id).best;
+    CutNode child{id, std::nullopt, std::nullopt, best.volume};
+    const auto take = [&id](const auto& target, const auto& best_here, auto& source) {
+      if (!target) return;
+      source = target->id.level > id.level ? best_here : (source ? source : target);
+    };
+    for (; at < end && ancestor_of(target_[at].area, id.level) == id; ++at) {
+      take(target_[at].heights, best.heights, child.heights);
+      take(target_[at].imagery, best.imagery, child.imagery);
+    }
+    children.push_back(child);
   }
   return children;
 }
@@ -199,7 +209,7 @@ bool Pager::replace(const CutChange& change, TileCut& next) {
     return true;
   }
   if (change.new_count <= 4) return false;
-  const TileCut children = children_of(drawn_[change.old_first]);
+  const TileCut children = first_step(change);
   if (!std::all_of(children.begin(), children.end(), is_ready_tile)) return false;
   next.insert(next.end(), children.begin(), children.end());
   return true;
@@ -213,14 +223,19 @@ std::vector<IndexEntry> Pager::sources_for(const CutChange& change) const {
   return sources;
 }
 
-Pager::Need Pager::need_for(const CutChange& change, const ViewFrustum& view) const {
+Pager::Need Pager::need_for(const CutChange& change, std::span<const ViewFrustum> views) const {
   const CutNode& whole = change.coarsens() ? target_[change.new_first] : drawn_[change.old_first];
   const double width = 2 * glm::length(whole.volume.half_axes[1]);
-  return {change, view.sees(whole.volume), whole.volume.distance_m(view.eye()) / width};
+  Need need{change, false, std::numeric_limits<double>::infinity()};
+  for (const ViewFrustum& view : views) {
+    need.visible = need.visible || view.sees(whole.volume);
+    need.distance_by_width = std::min(need.distance_by_width, whole.volume.distance_m(view.eye()) / width);
+  }
+  return need;
 }
 
 /// Decides what is held in this round: all that is drawn, then what replaces it, as far as memory goes.
-void Pager::plan(const ViewFrustum& view) {
+void Pager::plan(std::span<const ViewFrustum> views) {
   held_.clear();
   held_bytes_ = 0;
   missing_.clear();
@@ -229,7 +244,7 @@ void Pager::plan(const ViewFrustum& view) {
     tile.for_each_source([&](const IndexEntry& entry) { hold({&entry, 1}, capacity_); });
   }
   std::vector<Need> needs;
-  for (const CutChange& change : changes_between(drawn_, target_)) needs.push_back(need_for(change, view));
+  for (const CutChange& change : changes_between(drawn_, target_)) needs.push_back(need_for(change, views));
   std::sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) { return a.before(b); });
   for (const Need& need : needs) admit(need);
   for (const IndexEntry& entry : ahead_) hold({&entry, 1}, capacity_ - kSparePlaces * place_bytes_);
@@ -240,7 +255,7 @@ void Pager::admit(const Need& need) {
   if (need.change.new_count <= kMostAtOnce && hold(sources_for(need.change), limit)) return;
   if (need.change.new_count <= 4) return;
   std::vector<IndexEntry> sources;
-  for (const CutNode& child : children_of(drawn_[need.change.old_first])) {
+  for (const CutNode& child : first_step(need.change)) {
     child.for_each_source([&](const IndexEntry& entry) { sources.push_back(entry); });
   }
   hold(sources, limit);
@@ -277,12 +292,23 @@ std::uint64_t Pager::bytes_of(const IndexEntry& entry) const {
   return tile != nullptr ? tile->bytes() : decoded_bytes_bound(entry, contents_.pack().header().tile_size);
 }
 
+void Pager::note_seen(const IndexEntry& entry) {
+  if (unseen_.erase(key_of(entry)) > 0) unseen_bytes_ -= entry.bytes;
+}
+
+std::vector<TileKey> Pager::take_evicted() {
+  std::vector<TileKey> evicted = cache_.take_evicted();
+  for (const TileKey& key : evicted) unseen_.erase(key);
+  return evicted;
+}
+
 std::vector<Error> Pager::take_errors() {
   return std::exchange(errors_, {});
 }
 
 void Pager::add_to(PagingStats& stats) const {
   queue_.add_to(stats);
+  stats.bytes_unseen = unseen_bytes_;
   stats.tiles_damaged = damaged_;
   stats.resident_bytes = cache_.bytes();
 }

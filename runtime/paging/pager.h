@@ -10,6 +10,7 @@
 #include "runtime/paging/tile_availability.h"
 #include "runtime/paging/tile_cache.h"
 #include "runtime/paging/tile_cut.h"
+#include "runtime/paging/tile_tree.h"
 #include "runtime/view/view_frustum.h"
 
 namespace cairn {
@@ -34,17 +35,18 @@ struct PagerOptions {
 /// Threads: all of it belongs to one thread, the owner. Only the loader behind the queue has others.
 class Pager {
  public:
-  /// `contents` must outlive the pager; damaged tiles are noted in it. REQUIRES: cache_bytes >=
-  /// least_bytes().
-  Pager(TileAvailability& contents, TileSource source, const Occluder& occluder, const PagerOptions& options);
+  /// `contents` and its tree must outlive the pager; damaged tiles are noted in `contents`. REQUIRES:
+  /// cache_bytes >= least_bytes().
+  Pager(TileAvailability& contents, const TileTree& tree, TileSource source, const PagerOptions& options);
 
   /// The least budget that can work with this pack and this many workers.
   static std::uint64_t least_bytes(const TileAvailability& contents, int workers);
 
-  /// Whether the cover's tiles fit the budget, with what it takes to replace them.
-  bool fits(const TileCut& cover) const;
+  /// The bytes that the tiles of a target may have: the budget less what it takes to replace them.
+  std::uint64_t target_bytes() const;
 
-  /// What to draw from now on. REQUIRES: fits(target), or no coarser one does.
+  /// What to draw from now on. REQUIRES: its tiles have target_bytes() at most, or no
+  /// coarser one has.
   void set_target(TileCut target);
   const TileCut& target() const { return target_; }
   /// What may be wanted next, after all that is.
@@ -53,7 +55,7 @@ class Pager {
   /// Takes in what was loaded and replaces what can be replaced. Never waits.
   void advance();
   /// Asks for what is missing, and evicts to make room for it: let go of tiles that are drawn no more before.
-  void request(const ViewFrustum& view);
+  void request(std::span<const ViewFrustum> views);
 
   /// Covers the Earth; each tile's data is resident. At first the root, which shows nothing.
   const TileCut& drawn() const { return drawn_; }
@@ -66,10 +68,13 @@ class Pager {
   std::uint64_t availability_version() const { return availability_version_; }
 
   const LoadedTile* find(const IndexEntry& entry) const { return cache_.find(key_of(entry)); }
-  std::vector<TileKey> take_evicted() { return cache_.take_evicted(); }
+  std::vector<TileKey> take_evicted();
   /// What went wrong since the last call; each tile once.
   std::vector<Error> take_errors();
   void add_to(PagingStats& stats) const;
+
+  /// Notes that a view sees the tile.
+  void note_seen(const IndexEntry& entry);
 
  private:
   struct Need;
@@ -80,17 +85,17 @@ class Pager {
   bool replace_what_is_ready();
   bool replace(const CutChange& change, TileCut& next);
   bool is_ready(const CutNode& tile) const;
-  TileCut children_of(const CutNode& tile) const;
-  Need need_for(const CutChange& change, const ViewFrustum& view) const;
+  TileCut first_step(const CutChange& change) const;
+  Need need_for(const CutChange& change, std::span<const ViewFrustum> views) const;
   std::vector<IndexEntry> sources_for(const CutChange& change) const;
-  void plan(const ViewFrustum& view);
+  void plan(std::span<const ViewFrustum> views);
   void admit(const Need& need);
   bool hold(std::span<const IndexEntry> sources, std::uint64_t limit);
   void ask(LoadQueue::Clock::time_point now);
   std::uint64_t bytes_of(const IndexEntry& entry) const;
 
   TileAvailability& contents_;
-  const Occluder occluder_;
+  const TileTree& tree_;
   const PagerOptions options_;
   const std::uint64_t place_bytes_;  // of the tiles of one area at most
   const std::uint64_t capacity_;     // of the cache and of what is under way
@@ -109,6 +114,9 @@ class Pager {
   std::unordered_set<TileKey> held_;  // drawn, or to be
   std::uint64_t held_bytes_ = 0;
   std::vector<IndexEntry> missing_;  // of those held, in the order in which they are wanted
+
+  std::unordered_set<TileKey> unseen_;  // in memory, and seen by no view since they were loaded
+  std::uint64_t unseen_bytes_ = 0;      // of the blocks of all tiles that were loaded and not seen
 
   std::unordered_set<TileKey> reported_;
   std::vector<Error> errors_;

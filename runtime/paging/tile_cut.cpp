@@ -21,18 +21,18 @@ std::size_t count_inside(const TileId& outer, const TileCut& cover, std::size_t 
 
 }  // namespace
 
-CutNode make_cover_tile(const TileId& area, const TileAvailability& contents, const Occluder& occluder,
-                        const TileCut& known) {
-  CutNode tile{area, contents.nearest(Layer::heights, area), contents.nearest(Layer::imagery, area), {}};
-  const auto same = std::lower_bound(
-      known.begin(), known.end(), area,
-      [](const CutNode& other, const TileId& wanted) { return depth_first_before(other.area, wanted); });
-  if (same != known.end() && same->shows_same(tile)) return *same;
-  const double quantum = contents.pack().header().quantum_m;
-  const double low = tile.heights ? tile.heights->min_quanta * quantum : 0;
-  const double high = tile.heights ? tile.heights->max_quanta * quantum : 0;
-  tile.volume = bounding_volume(tile_bounds(area), low, high, occluder);
-  return tile;
+CutNode make_cut_node(const TileId& area, const TileAvailability& contents, const Occluder& occluder,
+                      bool has_finer_heights) {
+  CutNode node{area, contents.nearest(Layer::heights, area), contents.nearest(Layer::imagery, area), {}};
+  const double quantum_m = contents.pack().header().quantum_m;
+  double low_m = 0, high_m = 0;
+  if (node.heights) {
+    const double error_m = has_finer_heights ? static_cast<double>(node.heights->geometric_error_m) : 0;
+    low_m = node.heights->min_quanta * quantum_m - error_m;
+    high_m = node.heights->max_quanta * quantum_m + error_m;
+  }
+  node.volume = bounding_volume(tile_bounds(area), low_m, high_m, occluder);
+  return node;
 }
 
 bool depth_first_before(const TileId& a, const TileId& b) {

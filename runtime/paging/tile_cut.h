@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "cairn/bounding_volume.h"
 #include "cairn/loaded_tile.h"
 #include "runtime/scene/scene_map.h"
-#include "cairn/bounding_volume.h"
 
 namespace cairn {
 
@@ -35,10 +35,10 @@ struct CutNode {
 /// north-east, in its place.
 using TileCut = std::vector<CutNode>;
 
-/// What covers the area, with the best that the pack can show there. Where `known` has the same tile, its
-/// volume is taken from there: it takes longer to compute than all the rest.
-CutNode make_cover_tile(const TileId& area, const TileAvailability& contents, const Occluder& occluder,
-                        const TileCut& known = {});
+/// The area with the best that the pack can show there. With `has_finer_heights` the volume encloses these,
+/// too, by the error of the coarser ones.
+CutNode make_cut_node(const TileId& area, const TileAvailability& contents, const Occluder& occluder,
+                      bool has_finer_heights);
 
 /// Whether `a` comes before `b` in a cover; false where one contains the other.
 bool depth_first_before(const TileId& a, const TileId& b);

@@ -23,6 +23,8 @@ double level_for_pixel_size(const ViewState& view, double distance_m, int tile_s
 /// Margins of 0 hold nothing.
 class FocusTile {
  public:
+  static constexpr double kTileMargin = 0.125, kLevelMargin = 0.25;  ///< those of TerrainOptions
+
   /// REQUIRES: 0 <= tile_margin < 1, 0 <= level_margin < 1.
   FocusTile(double tile_margin, double level_margin);
 

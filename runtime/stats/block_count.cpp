@@ -11,16 +11,20 @@ std::vector<TileId> counted_tiles(const CountSpec& spec, const TileId& eye) {
       build_scene_map({eye, eye.level - spec.levels + 1, spec.pattern, spec.window_tiles}, spec.has));
 }
 
-std::vector<MoveCount> count_walk(const CountSpec& spec, std::span<const Move> walk) {
-  std::vector<MoveCount> counts;
-  counts.reserve(walk.size());
+std::vector<std::vector<TileId>> shown_along(const CountSpec& spec, std::span<const Move> walk) {
   TileId eye = spec.start;
-  std::vector<TileId> here = counted_tiles(spec, eye);
+  std::vector<std::vector<TileId>> shown{counted_tiles(spec, eye)};
   for (const Move& move : walk) {
     eye = moved(eye, move);
-    std::vector<TileId> there = counted_tiles(spec, eye);
-    counts.push_back({there.size(), difference(here, there).size()});
-    here = std::move(there);
+    shown.push_back(counted_tiles(spec, eye));
+  }
+  return shown;
+}
+
+std::vector<MoveCount> count_moves(std::span<const std::vector<TileId>> shown) {
+  std::vector<MoveCount> counts;
+  for (std::size_t i = 1; i < shown.size(); ++i) {
+    counts.push_back({shown[i].size(), difference(shown[i - 1], shown[i]).size()});
   }
   return counts;
 }

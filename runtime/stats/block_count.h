@@ -31,8 +31,11 @@ TileId endless_world();
 /// Returns the tiles of the spec's K levels that a map has with the camera in tile `eye`.
 std::vector<TileId> counted_tiles(const CountSpec& spec, const TileId& eye);
 
-/// Returns one count per move of a walk from the start.
-std::vector<MoveCount> count_walk(const CountSpec& spec, std::span<const Move> walk);
+/// Returns the tiles that are shown along a walk: at the start and after each move.
+std::vector<std::vector<TileId>> shown_along(const CountSpec& spec, std::span<const Move> walk);
+
+/// Returns the counts of each move, given the tiles that are shown before the first and after each.
+std::vector<MoveCount> count_moves(std::span<const std::vector<TileId>> shown);
 
 /// Returns the counts of every one of `moves` from every camera tile of a square of 2^(K+2) tiles north-east
 /// of the start.

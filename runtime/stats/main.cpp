@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "runtime/stats/adaptive_walk.h"
 #include "runtime/stats/block_count.h"
 #include "runtime/stats/draw_map.h"
 #include "runtime/stats/pack_walk.h"
@@ -28,6 +29,8 @@ struct Options {
   std::filesystem::path pack;
   int workers = 2;
   std::size_t loading = 0;
+  double tolerance_px = 1;
+  std::uint64_t cache_mib = 0;
   std::filesystem::path json;
   std::filesystem::path csv;
   std::vector<std::string> draw;
@@ -35,7 +38,10 @@ struct Options {
 
 void declare(CLI::App& app, Options& o) {
   app.add_option("--pattern", o.pattern,
-                 "all, or one of normal, plus, cross, restricted, balanced, nine, window");
+                 "all, or one of normal, plus, cross, restricted, balanced, nine, window; with --pack also "
+                 "adaptive, tiles selected by their error");
+  app.add_option("--tolerance", o.tolerance_px, "adaptive: pixels of error")->check(CLI::Range(0.01, 1000.0));
+  app.add_option("--cache", o.cache_mib, "adaptive: MiB of tiles in memory; 0 for no limit");
   app.add_option("--levels", o.levels, "K, the levels that are counted")->check(CLI::Range(2, 9));
   app.add_option("--window", o.window, "tiles along a side of the window pattern")->check(CLI::Range(1, 64));
   app.add_option("--walk", o.walk, "axis, diagonal, random, or a file with a line dx,dy a move");
@@ -55,6 +61,7 @@ void declare(CLI::App& app, Options& o) {
 Result<std::vector<RefinementPattern>> chosen_patterns(const std::string& word) {
   const auto all = all_refinement_patterns();
   if (word == "all") return std::vector<RefinementPattern>(all.begin(), all.end());
+  if (word == "adaptive") return std::vector<RefinementPattern>();
   if (const auto pattern = refinement_pattern_from(word)) return std::vector<RefinementPattern>{*pattern};
   return usage_error("--pattern: expected all or a pattern's name, found " + word);
 }
@@ -111,10 +118,10 @@ Status count(const Options& o, const std::vector<RefinementPattern>& patterns) {
   StatsReport report{o.levels, o.walk, o.seed, o.exhaustive, "", {}};
   for (const RefinementPattern pattern : patterns) {
     const CountSpec spec{chosen_start(o), o.levels, pattern, o.window, nullptr};
-    report.patterns.push_back(
-        {pattern,
-         o.exhaustive ? count_exhaustively(spec, moves_of_kind(o.walk)) : count_walk(spec, *walk),
-         {}});
+    report.patterns.push_back({pattern,
+                               o.exhaustive ? count_exhaustively(spec, moves_of_kind(o.walk))
+                                            : count_moves(shown_along(spec, *walk)),
+                               {}});
   }
   return write_reports(o, report);
 }
@@ -128,19 +135,30 @@ Result<std::shared_ptr<const PackReader>> open_pack(const Options& o) {
 }
 
 Status count_over_pack(const Options& o, const std::vector<RefinementPattern>& patterns,
-                       const PackReader& pack, TimedLoader& loader) {
-  const HasTile has = [&pack](const TileId& id) { return pack.find_index(Layer::heights, id).has_value(); };
-  const auto start = middle_tile(pack);
+                       const std::shared_ptr<const PackReader>& pack, TimedLoader& loader) {
+  const HasTile has = [&pack](const TileId& id) { return pack->find_index(Layer::heights, id).has_value(); };
+  const auto start = middle_tile(*pack);
   if (!start) return bad_data(o.pack.string() + ": expected tiles of heights, found none");
   const auto walk = chosen_walk(o);
   if (!walk) return walk.error();
   const std::vector<Move> inside = kept_inside(*walk, *start, has);
   StatsReport report{o.levels, o.walk, o.seed, false, o.pack.string(), {}};
-  for (const RefinementPattern pattern : patterns) {
-    const CountSpec spec{*start, o.levels, pattern, o.window, has};
-    auto loads = load_walk(spec, inside, pack, loader);
+  const auto add = [&](std::optional<RefinementPattern> pattern,
+                       const std::vector<std::vector<TileId>>& shown, double error_px) -> Status {
+    auto loads = load_walk(shown, *pack, loader);
     if (!loads) return loads.error();
-    report.patterns.push_back({pattern, count_walk(spec, inside), std::move(*loads)});
+    report.patterns.push_back({pattern, count_moves(shown), std::move(*loads), error_px});
+    return {};
+  };
+  for (const RefinementPattern pattern : patterns) {
+    const Status added = add(pattern, shown_along({*start, o.levels, pattern, o.window, has}, inside), 0);
+    if (!added) return added;
+  }
+  if (o.pattern == "all" || o.pattern == "adaptive") {
+    const AdaptiveWalk adaptive =
+        walk_adaptively({*start, o.levels, o.tolerance_px, o.cache_mib << 20}, inside, pack);
+    const Status added = add(std::nullopt, adaptive.tiles, adaptive.error_px);
+    if (!added) return added;
   }
   return write_reports(o, report);
 }
@@ -150,7 +168,7 @@ Status use_pack(const Options& o, const std::vector<RefinementPattern>& patterns
   if (!pack) return pack.error();
   if (o.loading == 0) {
     TimedLoader loader(read_from(*pack), o.workers, (*pack)->header().tile_size);
-    return count_over_pack(o, patterns, **pack, loader);
+    return count_over_pack(o, patterns, *pack, loader);
   }
   const auto times = time_loading(*pack, o.loading, o.workers);
   if (!times) return times.error();
@@ -165,6 +183,7 @@ Status run_checked(const Options& o) {
   if (!o.draw.empty()) return draw(o, *patterns);
   if (!o.pack.empty()) return use_pack(o, *patterns);
   if (o.loading > 0) return usage_error("--loading: expected --pack, found none");
+  if (o.pattern == "adaptive") return usage_error("--pattern adaptive: expected --pack, found none");
   return count(o, *patterns);
 }
 

@@ -82,20 +82,16 @@ std::vector<Move> kept_inside(std::span<const Move> walk, const TileId& start, c
   return kept;
 }
 
-Result<std::vector<MoveLoad>> load_walk(const CountSpec& spec, std::span<const Move> walk,
-                                        const PackReader& pack, TimedLoader& loader) {
+Result<std::vector<MoveLoad>> load_walk(std::span<const std::vector<TileId>> shown, const PackReader& pack,
+                                        TimedLoader& loader) {
   std::vector<MoveLoad> loads;
-  TileId eye = spec.start;
-  std::vector<TileId> here = counted_tiles(spec, eye);
-  for (const Move& move : walk) {
-    eye = moved(eye, move);
-    std::vector<TileId> there = counted_tiles(spec, eye);
+  for (std::size_t i = 1; i < shown.size(); ++i) {
     std::vector<IndexEntry> entries;
-    for (const TileId& id : difference(here, there)) entries.push_back(*pack.find(Layer::heights, id));
+    for (const TileId& id : difference(shown[i - 1], shown[i]))
+      entries.push_back(*pack.find(Layer::heights, id));
     const Result<MoveLoad> load = loader.load(entries);
     if (!load) return load.error();
     loads.push_back(*load);
-    here = std::move(there);
   }
   return loads;
 }

@@ -33,9 +33,10 @@ std::optional<TileId> middle_tile(const PackReader& pack);
 /// or nowhere if that is off them too.
 std::vector<Move> kept_inside(std::span<const Move> walk, const TileId& start, const HasTile& has);
 
-/// Loads each move's difference blocks. Returns one load per move.
-Result<std::vector<MoveLoad>> load_walk(const CountSpec& spec, std::span<const Move> walk,
-                                        const PackReader& pack, TimedLoader& loader);
+/// Loads each move's difference blocks, given the tiles that are shown before the first move and after each.
+/// Returns one load per move.
+Result<std::vector<MoveLoad>> load_walk(std::span<const std::vector<TileId>> shown, const PackReader& pack,
+                                        TimedLoader& loader);
 
 /// The time to load some blocks, without and with roughness_of() (Melkisetoğlu 2005, figure 8.2.1).
 struct LoadingTime {

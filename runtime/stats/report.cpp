@@ -45,11 +45,14 @@ Json difference_json(const PatternReport& report) {
           {"histogram", bins}};
 }
 
+std::optional<PublishedCounts> published_of(const PatternReport& report, int levels) {
+  return report.pattern ? published_counts(*report.pattern, levels) : std::nullopt;
+}
+
 Json pattern_json(const PatternReport& report, int levels) {
-  Json json{{"name", to_string(report.pattern)},
-            {"total", total_json(report)},
-            {"difference", difference_json(report)}};
-  if (const auto published = published_counts(report.pattern, levels)) {
+  Json json{{"name", report.name()}, {"total", total_json(report)}, {"difference", difference_json(report)}};
+  if (!report.pattern) json["error_px"] = report.error_px;
+  if (const auto published = published_of(report, levels)) {
     json["published"] = {{"total_max", published->total}, {"difference_max", published->difference}};
   }
   if (report.loads.empty()) return json;
@@ -82,7 +85,7 @@ std::string to_csv(const StatsReport& report) {
   for (const PatternReport& pattern : report.patterns) {
     for (std::size_t i = 0; i < pattern.counts.size(); ++i) {
       const MoveCount& count = pattern.counts[i];
-      out << to_string(pattern.pattern) << "," << i + 1 << "," << count.total << "," << count.difference;
+      out << pattern.name() << "," << i + 1 << "," << count.total << "," << count.difference;
       if (!pattern.loads.empty()) out << "," << pattern.loads[i].latency_ms << "," << pattern.loads[i].bytes;
       out << "\n";
     }
@@ -99,12 +102,12 @@ std::string to_table(const StatsReport& report) {
   for (const PatternReport& pattern : report.patterns) {
     const Summary total = summarize_field(pattern.counts, &MoveCount::total);
     const Summary difference = summarize_field(pattern.counts, &MoveCount::difference);
-    const auto published = published_counts(pattern.pattern, report.levels);
+    const auto published = published_of(pattern, report.levels);
     const std::string theirs =
         published ? std::to_string(published->total) + ", " + std::to_string(published->difference) : "-";
     std::snprintf(line, sizeof line, "%-11s %5.0f %5.0f %7.2f   %5.0f %5.0f %7.2f   %s\n",
-                  std::string(to_string(pattern.pattern)).c_str(), total.min, total.max, total.mean,
-                  difference.max, difference.p95, difference.mean, theirs.c_str());
+                  std::string(pattern.name()).c_str(), total.min, total.max, total.mean, difference.max,
+                  difference.p95, difference.mean, theirs.c_str());
     out << line;
   }
   if (report.pack.empty()) return out.str();
@@ -115,8 +118,13 @@ std::string to_table(const StatsReport& report) {
     const Summary ms = summarize_field(pattern.loads, &MoveLoad::latency_ms);
     const Summary bytes = summarize_field(pattern.loads, &MoveLoad::bytes);
     std::snprintf(line, sizeof line, "%-11s %9.2f %9.2f %9.2f %9.2f   %.0f\n",
-                  std::string(to_string(pattern.pattern)).c_str(), ms.p50, ms.p95, ms.p99, ms.max,
-                  bytes.mean / 1024);
+                  std::string(pattern.name()).c_str(), ms.p50, ms.p95, ms.p99, ms.max, bytes.mean / 1024);
+    out << line;
+  }
+  for (const PatternReport& pattern : report.patterns) {
+    if (pattern.pattern) continue;
+    std::snprintf(line, sizeof line, "\nadaptive: the heights in view are off by %.2f pixels at most\n",
+                  pattern.error_px);
     out << line;
   }
   return out.str();

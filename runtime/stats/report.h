@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/paging/frame_stats.h"
@@ -16,9 +18,12 @@ struct MoveLoad {
 
 /// The counts of one pattern; with a pack, also one load per move.
 struct PatternReport {
-  RefinementPattern pattern = RefinementPattern::restricted;
+  std::optional<RefinementPattern> pattern;  ///< none: adaptive, tiles selected by their error
   std::vector<MoveCount> counts;
   std::vector<MoveLoad> loads;
+  double error_px = 0;  ///< adaptive: the largest screen error of the heights in any view
+
+  std::string_view name() const { return pattern ? to_string(*pattern) : "adaptive"; }
 };
 
 /// One run of cairn-stats.

@@ -13,7 +13,7 @@ namespace cairn {
 /// For whom a surface is drawn, and how well.
 struct SurfaceRules {
   ViewState view;
-  double tolerance_px = 1;  ///< screen error that the mesh may add to the tiles' own
+  double tolerance_px = 1;  ///< screen error of mesh and tiles together
   double lowest_m = 0;      ///< no ground of the scene is lower
   bool cull = true;         ///< what is certainly outside the picture or below the horizon is left out
 };

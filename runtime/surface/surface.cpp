@@ -101,7 +101,8 @@ const SurfaceFrame& Surface::frame(const RenderList& list, const SurfaceView& vi
     // Where there are no heights, what ends there may be seen though the ground is not: its walls are drawn
     // with it.
     if (!each.tile.visible && each.tile.heights) continue;
-    areas.push_back({each.tile.area, s.tile_of(each.tile), each.detail, each.moves});
+    areas.push_back({each.tile.area, s.tile_of(each.tile), each.detail, each.moves,
+                     static_cast<double>(each.tile.finer_error_m)});
     s.frame.tiles.push_back(&each.tile);
   }
   // 3. Patches, and the triangles of those that are new.

@@ -16,7 +16,8 @@ struct SurfaceArea {
   double detail = kMaxLevel;             ///< the surface is shown with: ShownSurface::of()
   bool moves = false;                    ///< its detail changes from frame to frame: its mesh keeps half
                                          ///< the tolerance
-  double error_m = 0;                    ///< of the tile's own surface, which the mesh must leave room for
+  double error_m = 0;                    ///< how far finer heights may lie from the tile's own surface: the
+                                         ///< mesh leaves room for it
 };
 
 /// The most cells along a patch's side, log2: what one patch draws.

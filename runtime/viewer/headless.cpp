@@ -78,7 +78,7 @@ class FlightRun {
     if (!options_.stats.empty()) {
       stats_.open(options_.stats, std::ios::trunc);
       stats_ << "frame,update_ms,draw_ms,upload_ms,patches,triangles,uploads,gpu_bytes,resident_bytes,"
-                "complete,gpu_ms\n";
+                "complete,error_px,texel_px,gpu_ms\n";
     }
     if (options_.video.empty()) return {};
     Result<VideoPipe> pipe =
@@ -105,7 +105,8 @@ class FlightRun {
     if (stats_.is_open()) {
       stats_ << index << ',' << updated - begin << ',' << drawn - updated << ',' << counts.upload_ms << ','
              << counts.patches << ',' << counts.triangles << ',' << counts.uploads << ',' << counts.gpu_bytes
-             << ',' << scene_.terrain().stats().resident_bytes << ',' << scene_.list()->is_complete << ',';
+             << ',' << scene_.terrain().stats().resident_bytes << ',' << scene_.list()->is_complete << ','
+             << scene_.list()->error_px << ',' << scene_.list()->texel_px << ',';
       if (counts.gpu_ms) stats_ << *counts.gpu_ms;
       stats_ << '\n';
     }

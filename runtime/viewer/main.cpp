@@ -36,7 +36,8 @@ void declare(CLI::App& app, cairn::viewer::Options& o) {
   app.add_option("--hour", o.hour, "local solar time, 0 to 24")
       ->check(CLI::Range(0.0, 24.0))
       ->capture_default_str();
-  app.add_option("--tolerance", o.tolerance_px, "pixels of error that the mesh may add")
+  app.add_option("--tolerance", o.tolerance_px,
+                 "pixels that the ground may be off by, tiles and mesh together")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
   app.add_option(

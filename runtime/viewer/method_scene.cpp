@@ -28,6 +28,7 @@ LodTile lod_tile(const RenderTile& tile, const TileId& area, const HeightRange& 
   lod.heights = tile.heights;
   lod.min_m = range.lowest * quantum_m;
   lod.max_m = range.highest * quantum_m;
+  lod.error_m = static_cast<double>(tile.finer_error_m);
   lod.volume =
       area == tile.area ? tile.volume : bounding_volume(tile_bounds(area), lod.min_m, lod.max_m, Occluder(0));
   return lod;

@@ -18,8 +18,7 @@ struct MethodScene {
 };
 
 /// Of the tiles that have heights; what has none is left out, and the mesh ends there. Areas are cut at the
-/// end of the world. The tiles' own errors are taken as 0: as in the renderer's own mesh, the tolerance is
-/// one against the tiles that are shown.
+/// end of the world. As in the renderer's own mesh, the tolerance is one of tiles and mesh together.
 MethodScene method_scene(std::span<const RenderTile* const> tiles, int tile_size, double quantum_m);
 
 }  // namespace cairn::viewer

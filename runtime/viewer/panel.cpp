@@ -31,13 +31,17 @@ ImU32 colour_of_level(int level) {
   return ImColor::HSV(hue, 0.55f, 0.85f, 0.8f);
 }
 
-void draw_counters(const PanelState& state) {
+void draw_counters(const PanelState& state, const RenderList* list) {
   const PagingStats& p = state.paging;
   ImGui::Text("%zu grids, %zu triangles", state.counts.patches, state.counts.triangles);
   ImGui::Text("%.0f MiB of tiles, %.0f MiB of textures", static_cast<double>(p.resident_bytes) / 1048576,
               static_cast<double>(state.counts.gpu_bytes) / 1048576);
   ImGui::Text("%.1f MiB on the way, %llu tiles loaded", static_cast<double>(p.in_flight_bytes) / 1048576,
               static_cast<unsigned long long>(p.tiles_loaded));
+  if (list) {
+    ImGui::Text("showing %.1f px of error, texels of %.1f px%s", list->error_px, list->texel_px,
+                list->is_limited ? ", limited by the cache" : "");
+  }
   ImGui::Text("latency p95 %.0f ms, %llu holes, %llu damaged", p.latency_ms.p95,
               static_cast<unsigned long long>(p.holes), static_cast<unsigned long long>(p.tiles_damaged));
   ImGui::PlotLines("##frames", state.frame_ms.data(), static_cast<int>(state.frame_ms.size()),
@@ -106,7 +110,7 @@ std::optional<std::array<double, 3>> draw_panel(PanelState& state, FrameLook& lo
     ImGui::Begin("cairn", &state.shows_panel, ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::Text("%.6f, %.6f, %.1f m", view.eye.lon, view.eye.lat, view.height_m);
     ImGui::Text("heading %.1f, pitch %.1f", std::fmod(view.heading_deg + 360, 360), view.pitch_deg);
-    draw_counters(state);
+    draw_counters(state, list);
     goes = draw_settings(state, look);
     if (state.shows_map && list) draw_map(*list, view);
     if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());

@@ -65,6 +65,7 @@ Result<Scene> Scene::open(const Options& options) {
   if (!renderer) return renderer.error();
   TerrainOptions terrain_options;
   terrain_options.cache_bytes = options.cache_mib << 20;
+  terrain_options.tolerance_px = options.tolerance_px;
   Result<Terrain> terrain = Terrain::open(pack, terrain_options, surface.preparing(read_from(pack)));
   if (!terrain) return terrain.error();
   Scene scene(std::move(pack), std::move(surface), std::move(*terrain), std::move(*renderer));
@@ -116,6 +117,7 @@ FrameCounts Scene::draw_list(const ViewState& view, const FrameLook& look, unsig
 }
 
 FrameCounts Scene::draw(const ViewState& view, double dt_s, const FrameLook& look, unsigned framebuffer) {
+  terrain_.set_tolerance_px(look.tolerance_px);
   update(view, dt_s);
   return draw_list(view, look, framebuffer);
 }

@@ -20,7 +20,7 @@ namespace cairn::viewer {
 struct FrameLook : GlLook {
   std::optional<glm::vec3> hole_colour;   ///< linear RGB: drawn where no terrain is, instead of the sky
   double frame_s = 1.0 / 60;              ///< since the last frame: the exchange of levels follows the clock
-  double tolerance_px = 1;                ///< screen error that the mesh may add to the tiles' own; > 0
+  double tolerance_px = 1;                ///< screen error of mesh and tiles together; > 0
   const LodMethodInfo* method = nullptr;  ///< draws a method's mesh instead of the surface: on one thread,
                                           ///< tiles exchanged at once, so for comparing pictures
   bool draws = true;                      ///< false: all of a frame's work but the draw calls, to measure it
@@ -48,6 +48,8 @@ class Scene {
   /// Draws no frame, but lets the terrain load until the view has all that the pack has for it and that can
   /// be read.
   void load_all(const ViewState& view);
+  /// Sets the screen error for which tiles are loaded, as FrameLook::tolerance_px does in draw().
+  void set_tolerance_px(double tolerance_px) { terrain_.set_tolerance_px(tolerance_px); }
 
   /// The next frame has nothing to do with the last one: what it shows is not on its way from there.
   void cut() { surface_.cut(); }

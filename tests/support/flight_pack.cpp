@@ -51,7 +51,7 @@ class Baker {
     entry.id = id;
     entry.min_quanta = FlightPack::first_sample(id);
     entry.max_quanta = FlightPack::first_sample(id) + 96;
-    entry.geometric_error_m = static_cast<float>(tile_width_degrees(id.level));
+    entry.geometric_error_m = static_cast<float>(500 * tile_width_degrees(id.level));
     if (id.level >= coarsest_) REQUIRE(writer_.add(entry, blocks_[content_of(id)]).ok());
     for (int quadrant = 0; quadrant < 4 && id.level < FlightPack::kFinest; ++quadrant) {
       const TileId child = child_of(id, quadrant);
@@ -107,6 +107,7 @@ void write_imagery_pack(const std::filesystem::path& path, LonLat place, int fin
     IndexEntry entry;
     entry.id = id;
     entry.max_quanta = 200;
+    entry.geometric_error_m = static_cast<float>(500 * tile_width_degrees(id.level));
     if (id.level <= finest_heights) REQUIRE(writer->add(entry, heights).ok());
     entry.layer = Layer::imagery;
     if (id.level <= finest_imagery) REQUIRE(writer->add(entry, imagery).ok());

@@ -22,6 +22,7 @@ Stage::Stage(const std::filesystem::path& pack, int width, int height)
 }
 
 void Stage::draw(const ViewState& view) {
+  scene_->set_tolerance_px(look.tolerance_px);
   scene_->load_all(view);
   scene_->cut();
   draw_now(view, 0);

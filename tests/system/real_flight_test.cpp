@@ -14,7 +14,8 @@
 #include "cairn/build.h"
 #include "cairn/terrain.h"
 #include "runtime/paging/tile_availability.h"
-#include "runtime/scene/scene_map.h"
+#include "runtime/paging/tile_selection.h"
+#include "runtime/paging/tile_tree.h"
 #include "tests/support/flight_pack.h"
 #include "tests/support/test_data.h"
 
@@ -145,16 +146,21 @@ FlightResult fly(const std::shared_ptr<const PackReader>& pack, int workers, con
   return result;
 }
 
-// The scene map of the eye's tile, from the index and the faults alone.
-AreasAndSources expected_map(const PackReader& pack, const Faults& faults) {
-  int finest = kMinLevel;
-  for (std::size_t i = 0; i < pack.entry_count(); ++i) finest = std::max(finest, pack.entry(i).id.level);
-  const HasTile has = [&](const TileId& id) {
-    return pack.find(Layer::heights, id).has_value() && !faults.is_damaged({Layer::heights, id});
-  };
+// What the list should be, from the index, the selection and the faults alone.
+AreasAndSources expected_map(const std::shared_ptr<const PackReader>& pack, const Faults& faults) {
+  TileAvailability contents(pack);
+  for (std::size_t i = 0; i < pack->entry_count(); ++i) {
+    const TileKey key = key_of(pack->entry(i));
+    if (faults.is_damaged(key)) contents.set_damaged(key);
+  }
+  const Occluder occluder(contents.lowest_m());
+  const TileTree tree(contents, occluder);
+  FocusTile focus(0, 0);
+  const SelectionView selection =
+      selection_view(RandomMoves::home(), contents, occluder, RefinementPattern::restricted, focus);
   AreasAndSources areas;
-  for (const SceneTile& tile : build_scene_map({tile_at(kHome, finest), kMinLevel}, has))
-    areas[tile.area] = tile.source();
+  for (const CutNode& node : select_tiles(tree, {&selection, 1}, {}, {}).cut)
+    areas[node.area] = node.heights->id;
   return areas;
 }
 
@@ -170,7 +176,7 @@ TEST_CASE(
   for (const int workers : {1, 2, 4}) {
     const FlightResult result = fly(pack, workers, {});
     CHECK(result.errors == 0);
-    const AreasAndSources expected = expected_map(*pack, {});
+    const AreasAndSources expected = expected_map(pack, {});
     CHECK(result.final_map == expected);
     // Loading follows the eye: more tiles came than those that are shown in the end.
     std::set<TileId> shown;
@@ -190,7 +196,7 @@ TEST_CASE("10,000 moves over Hawaii on a disk that is slow, fails and is damaged
       CAPTURE(workers, faults.longest_delay_ms, faults.failing_share, faults.damaged_share);
       const FlightResult result = fly(pack, workers, faults);
       CHECK(result.errors == result.stats.tiles_damaged);
-      CHECK(result.final_map == expected_map(*pack, faults));
+      CHECK(result.final_map == expected_map(pack, faults));
     }
   }
 }

@@ -64,8 +64,9 @@ class GlTerrain {
   GlTerrain& operator=(GlTerrain&&) noexcept;
   ~GlTerrain();
 
-  /// Call once a frame: pages tiles, makes the surface for the view, with `tolerance_px` of screen error, and
-  /// uploads what is new. The list holds until the next call.
+  /// Call once a frame: pages tiles, makes the surface for the view, with `tolerance_px` of screen error,
+  /// tiles and mesh together (TerrainOptions::tolerance_px is not used), and uploads what is new. The list
+  /// holds until the next call.
   const RenderList& update(const ViewState& view, double dt_s, double tolerance_px = 1);
 
   /// The next update has nothing to do with the last one: nothing glides into it.

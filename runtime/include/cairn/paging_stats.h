@@ -22,6 +22,7 @@ struct PagingStats {
   std::uint64_t moves = 0;            ///< changes of the scene map
   std::uint64_t tiles_loaded = 0;     ///< decoded and delivered
   std::uint64_t bytes_loaded = 0;     ///< of their blocks, as stored
+  std::uint64_t bytes_unseen = 0;     ///< of these, the ones of tiles that no view has seen so far
   std::uint64_t tiles_stale = 0;      ///< of those, no longer needed when they arrived
   std::uint64_t tiles_withdrawn = 0;  ///< requests taken back before a worker began them
   std::uint64_t reads_failed = 0;

@@ -46,7 +46,7 @@ SurfaceWindow window_in(const TileId& tile, const TileId& patch);
 /// How a frame's surface is made.
 struct SurfaceView {
   ViewState view;
-  double tolerance_px = 1;    ///< screen error that the mesh may add to the tiles' own; > 0
+  double tolerance_px = 1;    ///< screen error of mesh and tiles together, as TerrainOptions has it; > 0
   double frame_s = 1.0 / 60;  ///< since the last frame: what is exchanged glides with the clock
 };
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "cairn/pack_reader.h"
 #include "cairn/paging_stats.h"
@@ -20,6 +21,9 @@ struct TerrainOptions {
   std::uint64_t cache_bytes = 512u << 20;   ///< a hard limit on what tiles take in memory, loading included
   std::uint64_t delivery_bytes = 8u << 20;  ///< of new tiles per frame, but at least one tile
   int workers = 2;                          ///< threads that read and decode; 1…64
+  double tolerance_px = 1;  ///< the screen error that a program allows: tiles take half of it at most, and
+                            ///< leave the rest to its mesh; infinite for none
+  double texel_px = 1;      ///< the width that texels may have on the screen where the pack has finer ones
   RefinementPattern pattern =
       RefinementPattern::restricted;  ///< not nine or window, which leave most of the Earth bare
   double tile_margin = 0.125;         ///< hysteresis in tiles, below 1; 0 for none
@@ -31,9 +35,15 @@ struct TerrainOptions {
 ///
 /// update() never waits for a disk. However slow or broken the disk is, its result covers the Earth without
 /// overlaps, with data that is in memory. After the first tile has arrived, no place that the pack covers is
-/// without data again. If the camera rests, the result becomes the camera's scene map, whatever happened
-/// before, except for tiles that could not be read. Where that map does not fit the byte budget, a map of a
-/// coarser finest level is drawn.
+/// without data again.
+///
+/// If the cameras rest, the result becomes the coarsest tiles that are good enough for the views, whatever
+/// happened before, hysteresis and tiles that cannot be read aside. Nothing in a viewport is then farther
+/// from the pack's finest heights than half of tolerance_px, and no texel is wider than texel_px where the
+/// pack has finer ones. Tiles that touch in a view show heights at most two levels apart, as far as the pack
+/// has finer ones. Around a camera, in the ring that `pattern` names, tiles outside the view are held ready
+/// at sixteen times these limits. Where the byte budget does not allow that, the worst place is made as good
+/// as it can be; RenderList says how good.
 ///
 /// Threads: a Terrain belongs to one thread, usually the one that renders. docs/runtime-threads.md has the
 /// rules.
@@ -60,6 +70,13 @@ class Terrain {
   /// list holds until the next call. A view or a time that is out of range is an error in the list, and what
   /// was drawn stays.
   const RenderList& update(const ViewState& view, double dt_s);
+
+  /// Updates for several views of the terrain at once, 1 to 64. The list is good enough for all of them.
+  /// A view keeps its place in the span from call to call.
+  const RenderList& update(std::span<const ViewState> views, double dt_s);
+
+  /// Changes TerrainOptions::tolerance_px from the next update on. REQUIRES: above 0.
+  void set_tolerance_px(double tolerance_px);
 
   /// Returns the height, in the pack's vertical datum, of the ground as it is drawn now; nullopt where
   /// nothing is drawn or where it is void.

@@ -41,8 +41,12 @@ int cameras_with_holes(Stage& stage, const GeoBounds& bounds, int count, unsigne
   int bad = 0;
   for (int i = 0; i < count; ++i) {
     ViewState view = camera_over(bounds, 2, dice);
-    stage.scene().load_all(view);
-    view.height_m += stage.ground_m(view.eye);
+    // The ground that is loaded for the first height may be coarser than that of the second.
+    const double above_m = view.height_m;
+    for (int lift = 0; lift < 2; ++lift) {
+      stage.scene().load_all(view);
+      view.height_m = above_m + stage.ground_m(view.eye);
+    }
     stage.look.tolerance_px = i % 3 == 0 ? 4 : 1;
     stage.draw(view);
     const int seen = stage.holes();

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <random>
@@ -14,7 +15,8 @@
 #include "cairn/pack_sampler.h"
 #include "runtime/paging/tile_availability.h"
 #include "runtime/paging/tile_cut.h"
-#include "runtime/scene/scene_map.h"
+#include "runtime/paging/tile_selection.h"
+#include "runtime/paging/tile_tree.h"
 #include "tests/support/flight_pack.h"
 
 namespace cairn {
@@ -23,10 +25,11 @@ namespace {
 using test::Faults;
 using test::FlightPack;
 
-TerrainOptions small_options(int workers = 2, std::uint64_t cache_mib = 48) {
+TerrainOptions small_options(int workers = 2, std::uint64_t cache_mib = 96) {
   TerrainOptions options;
   options.workers = workers;
   options.cache_bytes = cache_mib << 20;
+  options.tile_margin = options.level_margin = 0;
   return options;
 }
 
@@ -56,6 +59,7 @@ class RandomFlight {
     ViewState home = view_;
     home.eye = {28.3, 36.7};
     home.height_m = 3000;
+    home.heading_deg = home.pitch_deg = 0;
     return home;
   }
 
@@ -151,37 +155,30 @@ FlightResult fly(const FlightPack& pack, const TerrainOptions& options, const Fa
   return result;
 }
 
-/// What the map should be, from the scene map and the faults alone.
-AreasAndSources expected_map(const FlightPack& pack, const TileId& eye, const Faults& faults,
+/// What the list should be, from the selection and the faults alone.
+AreasAndSources expected_map(const FlightPack& pack, const ViewState& view, const Faults& faults,
                              RefinementPattern pattern = RefinementPattern::restricted) {
-  const auto reader = pack.open();
-  const HasTile has = [&](const TileId& id) {
-    return reader->find(Layer::heights, id).has_value() && !faults.is_damaged({Layer::heights, id});
-  };
-  AreasAndSources areas;
-  for (const SceneTile& tile : build_scene_map({eye, kMinLevel, pattern}, has))
-    areas[tile.area] = tile.source();
-  return areas;
-}
-
-/// The least budget, to a MiB, with which the view's map is of the finest level.
-std::uint64_t least_for_the_finest_map(const FlightPack& pack, const ViewState& view) {
-  for (std::uint64_t mib = 8;; ++mib) {
-    const Result<Terrain> probe = Terrain::open(pack.open(), small_options(2, mib));
-    if (!probe) continue;
-    Terrain terrain = open(pack, small_options(2, mib));
-    const AreasAndSources areas = areas_of(rest(terrain, view));
-    const bool finest = std::any_of(areas.begin(), areas.end(),
-                                    [](const auto& item) { return item.first.level == FlightPack::kFinest; });
-    if (finest) return mib << 20;
+  TileAvailability contents(pack.open());
+  for (std::size_t i = 0; i < contents.pack().entry_count(); ++i) {
+    const TileKey key = key_of(contents.pack().entry(i));
+    if (faults.is_damaged(key)) contents.set_damaged(key);
   }
+  const Occluder occluder(contents.lowest_m());
+  const TileTree tree(contents, occluder);
+  FocusTile focus(0, 0);
+  const SelectionView selection = selection_view(view, contents, occluder, pattern, focus);
+  AreasAndSources areas;
+  for (const CutNode& node : select_tiles(tree, {&selection, 1}, {}, {}).cut) {
+    areas[node.area] = node.heights->id;
+  }
+  return areas;
 }
 
 constexpr int kMoves = 10000;
 
 }  // namespace
 
-TEST_CASE("a terrain at rest shows the scene map of its eye, whatever the pattern") {
+TEST_CASE("a terrain at rest shows the tiles that are selected for its view, whatever the pattern") {
   const FlightPack pack;
   for (const RefinementPattern pattern :
        {RefinementPattern::normal, RefinementPattern::plus, RefinementPattern::cross,
@@ -194,11 +191,14 @@ TEST_CASE("a terrain at rest shows the scene map of its eye, whatever the patter
     require_cover(list);
     require_right_data(list);
     CHECK(terrain.eye_tile() == tile_at({28.3, 36.7}, FlightPack::kFinest));
-    CHECK(areas_of(list) == expected_map(pack, terrain.eye_tile(), {}, pattern));
+    CHECK(areas_of(list) == expected_map(pack, flight.home(), {}, pattern));
+    CHECK(list.error_px <= 0.5);
+    CHECK_FALSE(list.is_limited);
   }
 }
 
-TEST_CASE("10,000 moves with 1, 2 and 4 workers: no hole, never over the budget, the same map in the end", "[slow]") {
+TEST_CASE("10,000 moves with 1, 2 and 4 workers: no hole, never over the budget, the same map in the end",
+          "[slow]") {
   const FlightPack pack;
   std::set<AreasAndSources> maps;
   for (const int workers : {1, 2, 4}) {
@@ -208,7 +208,7 @@ TEST_CASE("10,000 moves with 1, 2 and 4 workers: no hole, never over the budget,
     maps.insert(result.final_map);
   }
   CHECK(maps.size() == 1);
-  CHECK(*maps.begin() == expected_map(pack, tile_at({28.3, 36.7}, FlightPack::kFinest), {}));
+  CHECK(*maps.begin() == expected_map(pack, RandomFlight(17).home(), {}));
 }
 
 TEST_CASE("10,000 moves over a slow disk") {
@@ -218,7 +218,7 @@ TEST_CASE("10,000 moves over a slow disk") {
   const FlightResult result = fly(pack, small_options(2), faults, kMoves);
   CHECK(result.stats.holes == 0);
   CHECK(result.stats.updates_behind > 0);
-  CHECK(result.final_map == expected_map(pack, tile_at({28.3, 36.7}, FlightPack::kFinest), {}));
+  CHECK(result.final_map == expected_map(pack, RandomFlight(17).home(), {}));
 }
 
 TEST_CASE("10,000 moves over a disk that fails one read in a hundred") {
@@ -229,7 +229,7 @@ TEST_CASE("10,000 moves over a disk that fails one read in a hundred") {
   CHECK(result.stats.holes == 0);
   CHECK(result.stats.reads_failed > 0);
   CHECK(result.errors == 0);  // each was read at a second try
-  CHECK(result.final_map == expected_map(pack, tile_at({28.3, 36.7}, FlightPack::kFinest), {}));
+  CHECK(result.final_map == expected_map(pack, RandomFlight(17).home(), {}));
 }
 
 TEST_CASE("10,000 moves over a pack with damaged tiles: each is reported once and an ancestor drawn") {
@@ -241,7 +241,7 @@ TEST_CASE("10,000 moves over a pack with damaged tiles: each is reported once an
     CHECK(result.stats.holes == 0);
     CHECK(result.errors == result.stats.tiles_damaged);
     CHECK(result.stats.reads_failed == result.stats.tiles_damaged);  // and never read again
-    CHECK(result.final_map == expected_map(pack, tile_at({28.3, 36.7}, FlightPack::kFinest), faults));
+    CHECK(result.final_map == expected_map(pack, RandomFlight(17).home(), faults));
   }
 }
 
@@ -255,18 +255,22 @@ TEST_CASE("everything at once, with the least memory that works") {
   for (const auto& [area, source] : tight.final_map) CHECK(area.level <= FlightPack::kFinest);
 }
 
-TEST_CASE("a budget too small for the eye's map draws a coarser one") {
+TEST_CASE("a budget too small for the view draws what it holds, and says how good that is") {
   const FlightPack pack;
-  TerrainOptions options = small_options(1);
-  options.cache_bytes = 16u << 20;
-  Terrain terrain = open(pack, options);
-  RandomFlight flight(1);
-  const RenderList& list = rest(terrain, flight.home());
-  require_cover(list);
-  int finest = kMinLevel;
-  for (const RenderTile& tile : list.tiles) finest = std::max(finest, tile.area.level);
-  CHECK(finest < FlightPack::kFinest);
-  CHECK(areas_of(list) == expected_map(pack, ancestor_of(terrain.eye_tile(), finest), {}));
+  double error_px = std::numeric_limits<double>::infinity();
+  std::size_t tiles = 0;
+  for (const std::uint64_t mib : {16, 20, 24, 32, 96}) {
+    Terrain terrain = open(pack, small_options(1, mib));
+    const RenderList& list = rest(terrain, RandomFlight(1).home());
+    require_cover(list);
+    require_right_data(list);
+    CHECK(list.is_limited == (list.error_px > 0.5));
+    CHECK(list.error_px <= error_px);
+    CHECK(list.tiles.size() >= tiles);
+    error_px = list.error_px;
+    tiles = list.tiles.size();
+  }
+  CHECK(error_px <= 0.5);
 }
 
 TEST_CASE("an option out of range is refused, and a budget too small with the least that works") {
@@ -283,37 +287,33 @@ TEST_CASE("an option out of range is refused, and a budget too small with the le
   CHECK(refused([](TerrainOptions& o) { o.tile_margin = 1; }));
   CHECK(refused([](TerrainOptions& o) { o.level_margin = -0.1; }));
   CHECK(refused([](TerrainOptions& o) { o.look_ahead_s = NAN; }));
+  CHECK(refused([](TerrainOptions& o) { o.tolerance_px = 0; }));
+  CHECK(refused([](TerrainOptions& o) { o.tolerance_px = NAN; }));
+  CHECK(refused([](TerrainOptions& o) { o.texel_px = -1; }));
   CHECK(refused([](TerrainOptions& o) { o.cache_bytes = 1 << 20; }));
   CHECK_FALSE(refused([](TerrainOptions&) {}));
 }
 
-TEST_CASE("an eye that hovers on a border loads nothing after the first pass, with hysteresis", "[slow]") {
+TEST_CASE("an eye at rest is still, and one that turns and comes back loads nothing again") {
   const FlightPack pack;
-  const auto hover = [&](double margin) {
-    RandomFlight flight(1);
-    ViewState view = flight.home();
-    const double width = tile_width_degrees(FlightPack::kFinest);
-    const auto at_side = [&](int i) {
-      const double step = (i % 2 == 0 ? 0.05 : -0.05) * width;
-      view.eye = {28 + step, 37 + step};  // a corner of tiles of every level
-      return view;
-    };
-    TerrainOptions options = small_options(2);
-    options.cache_bytes = least_for_the_finest_map(pack, at_side(0));
-    options.tile_margin = margin;
-    options.look_ahead_s = 0;
-    Terrain terrain = open(pack, options);
-    const auto side = [&](int i) { rest(terrain, at_side(i)); };
-    side(0);
-    side(1);
-    const std::uint64_t loaded = terrain.stats().tiles_loaded;
-    for (int i = 0; i < 1000; ++i) side(i);
-    return terrain.stats().tiles_loaded - loaded;
+  Terrain terrain = open(pack, small_options(2, 512));
+  const ViewState home = RandomFlight(1).home();
+  const AreasAndSources at_home = areas_of(rest(terrain, home));
+  PagingStats before = terrain.stats();
+  for (int i = 0; i < 100; ++i) CHECK(terrain.update(home, 0.01).is_complete);
+  CHECK(terrain.stats().moves == before.moves);
+  const auto turn = [&] {
+    ViewState view = home;
+    for (int i = 0; i <= 12; ++i) {
+      view.heading_deg = 30.0 * i;
+      rest(terrain, view);
+    }
   };
-  CHECK(hover(0.125) == 0);
-  const std::uint64_t without = hover(0);
-  INFO("without hysteresis 1000 crossings loaded " << without << " tiles");
-  CHECK(without > 1000);
+  turn();
+  CHECK(areas_of(rest(terrain, home)) == at_home);
+  before = terrain.stats();
+  turn();
+  CHECK(terrain.stats().tiles_loaded == before.tiles_loaded);
 }
 
 TEST_CASE("requests that nobody has begun are withdrawn when the eye goes elsewhere") {
@@ -495,8 +495,8 @@ TEST_CASE("imagery deeper than the heights is shown over windows of the heights"
     REQUIRE(tile.heights);
     REQUIRE(tile.imagery);
     REQUIRE(tile.imagery->texels.size() == texture_chain_bytes(tile.imagery->format, 256));
-    REQUIRE(tile.heights_id == reader->find_nearest(Layer::heights, tile.area)->id);
-    REQUIRE(tile.imagery_id == reader->find_nearest(Layer::imagery, tile.area)->id);
+    REQUIRE(ancestor_of(tile.area, tile.heights_id.level) == tile.heights_id);
+    REQUIRE(ancestor_of(tile.area, tile.imagery_id.level) == tile.imagery_id);
     windows += tile.area.level == 3 && tile.imagery_id == tile.area && tile.heights_id.level == 0;
   }
   CHECK(terrain->eye_tile() == tile_at(place, 3));

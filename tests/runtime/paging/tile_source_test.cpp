@@ -27,6 +27,8 @@ TerrainOptions options_of(std::uint64_t cache_mib = 48) {
   TerrainOptions options;
   options.cache_bytes = cache_mib << 20;
   options.look_ahead_s = 0;
+  // What was shown before decides nothing, so that every way to a place gives equal lists.
+  options.tile_margin = options.level_margin = 0;
   return options;
 }
 

@@ -25,9 +25,9 @@ TEST_CASE("a walk over a pack stays over it and loads what its moves add") {
   }
   const CountSpec spec{*start, 4, RefinementPattern::restricted, 8, has};
   TimedLoader loader(read_from(reader), 2, reader->header().tile_size);
-  const auto loads = load_walk(spec, walk, *reader, loader);
+  const auto loads = load_walk(shown_along(spec, walk), *reader, loader);
   REQUIRE(loads.ok());
-  const auto counts = count_walk(spec, walk);
+  const auto counts = count_moves(shown_along(spec, walk));
   REQUIRE(loads->size() == counts.size());
   for (std::size_t i = 0; i < counts.size(); ++i)
     CHECK(((*loads)[i].bytes > 0) == (counts[i].difference > 0));

@@ -57,7 +57,7 @@ TEST_CASE("a walk's counts add up: what the map gains less what it loses is how 
   for (const RefinementPattern pattern : all_refinement_patterns()) {
     const CountSpec spec{endless_world(), 4, pattern, 8, nullptr};
     const auto walk = random_walk(moves_of_kind("random"), 300, 9);
-    const auto counts = count_walk(spec, walk);
+    const auto counts = count_moves(shown_along(spec, walk));
     REQUIRE(counts.size() == walk.size());
     TileId eye = spec.start;
     auto here = counted_tiles(spec, eye);
