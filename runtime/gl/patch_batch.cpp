@@ -19,13 +19,14 @@ struct Command {
 };
 static_assert(sizeof(Command) == 20);
 
-constexpr std::uint64_t kFirstBytes = 1 << 20;
+// A buffer that grows is copied, and its new memory is touched for the first time: both in one frame.
+constexpr std::uint64_t kFirstVertices = 1 << 19, kFirstIndices = 1 << 21;
 
 }  // namespace
 
 void GrowingBuffer::reserve(std::uint64_t bytes) {
   if (bytes <= bytes_) return;
-  const std::uint64_t larger_bytes = std::max<std::uint64_t>(2 * bytes, kFirstBytes);
+  const std::uint64_t larger_bytes = 2 * bytes;
   Buffer larger = make_buffer();
   glNamedBufferStorage(larger.name(), static_cast<GLsizeiptr>(larger_bytes), nullptr, GL_DYNAMIC_STORAGE_BIT);
   if (bytes_ > 0) {
@@ -36,6 +37,8 @@ void GrowingBuffer::reserve(std::uint64_t bytes) {
 }
 
 PatchBatch::PatchBatch() {
+  vertices_.reserve(kFirstVertices / 2 * sizeof(SurfaceVertex));
+  indices_.reserve(kFirstIndices / 2 * sizeof(std::uint16_t));
   const GLuint vao = vertex_array_.name();
   describe_vertices(vao, 0);
   glEnableVertexArrayAttrib(vao, kPatchAttribute);

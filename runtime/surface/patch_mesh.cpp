@@ -1,6 +1,8 @@
 #include "runtime/surface/patch_mesh.h"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 
 #include "format/rqt_steps.h"
 
@@ -55,10 +57,12 @@ class Builder {
       : patch_(patch), vertices_(patch), size_(patch.cells() + 1), rising_(root_rises(patch.area)) {}
 
   PatchMesh run(const SideVertices& sides) {
+    const auto samples = static_cast<std::ptrdiff_t>(size_) * size_;
+    std::fill_n(is_vertex_.begin(), samples, std::uint8_t{0});
+    std::fill_n(numbers_.begin(), samples, kNone);
     take_own();
     take_forced();
     take_sides(sides);
-    numbers_.fill(kNone);
     const Corner sw{0, 0}, se{size_ - 1, 0}, ne{size_ - 1, size_ - 1}, nw{0, size_ - 1};
     if (rising_) {
       emit(sw, ne, nw);
@@ -148,7 +152,8 @@ class Builder {
   PatchVertices vertices_;
   int size_;
   bool rising_;
-  std::array<std::uint8_t, kMostSamples * kMostSamples> is_vertex_{};
+  // Of size_ × size_ samples; most patches are small, and what they do not use costs nothing.
+  std::array<std::uint8_t, kMostSamples * kMostSamples> is_vertex_;
   std::array<std::uint16_t, kMostSamples * kMostSamples> numbers_;
   PatchMesh mesh_;
 };

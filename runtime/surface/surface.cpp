@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -16,6 +17,11 @@ namespace {
 
 constexpr double kLongestFade_s = 2;  // that the exchange of a level takes at most
 
+/// Half of the processors, but not so many that waking them takes longer than what they do.
+int helping_threads() {
+  return static_cast<int>(std::clamp(std::thread::hardware_concurrency() / 2, 1u, 4u));
+}
+
 }  // namespace
 
 struct Surface::State {
@@ -26,7 +32,7 @@ struct Surface::State {
   LodTransition shown;
   std::unordered_map<TileId, SurfaceTile> tiles;
   std::vector<TileKey> evicted;  // and shown on, as far as is known
-  SurfaceMesher mesher;
+  SurfaceMesher mesher{helping_threads()};
   SurfaceFrame frame;
 
   const SurfaceTile* tile_of(const RenderTile& tile);

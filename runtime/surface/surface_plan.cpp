@@ -36,16 +36,23 @@ SurfaceMesher::Key SurfaceMesher::key_of(const SurfacePatch& patch, const SideVe
           sides};
 }
 
-SurfaceMesher::Kept SurfaceMesher::make(const SurfacePatch& patch, const SideVertices& sides) {
-  PatchMesh made = build_patch_mesh(patch, sides);
-  Kept kept;
-  kept.vertices = static_cast<std::uint32_t>(made.vertices.size());
-  kept.indices = static_cast<std::uint32_t>(made.indices.size());
-  kept.first_vertex = vertices_.take(kept.vertices);
-  kept.first_index = indices_.take(kept.indices);
-  mesh_.uploads.push_back(
-      {kept.first_vertex, kept.first_index, std::move(made.vertices), std::move(made.indices)});
-  return kept;
+/// Makes the triangles of the patches with these numbers and places them in the buffers.
+void SurfaceMesher::make(const SurfacePlan& plan, std::span<const std::pair<std::size_t, Kept*>> fresh) {
+  std::vector<PatchMesh> made(fresh.size());
+  workers_->run(fresh.size(), [&](std::size_t i) {
+    const std::size_t patch = fresh[i].first;
+    made[i] = build_patch_mesh(plan.partition.patches[patch], plan.joints.sides[patch]);
+  });
+  mesh_.uploads.reserve(fresh.size());
+  for (std::size_t i = 0; i < fresh.size(); ++i) {
+    Kept& kept = *fresh[i].second;
+    kept.vertices = static_cast<std::uint32_t>(made[i].vertices.size());
+    kept.indices = static_cast<std::uint32_t>(made[i].indices.size());
+    kept.first_vertex = vertices_.take(kept.vertices);
+    kept.first_index = indices_.take(kept.indices);
+    mesh_.uploads.push_back(
+        {kept.first_vertex, kept.first_index, std::move(made[i].vertices), std::move(made[i].indices)});
+  }
 }
 
 void SurfaceMesher::drop_unused() {
@@ -63,16 +70,22 @@ SurfaceMesh SurfaceMesher::frame(std::span<const SurfaceArea> areas, const Surfa
   mesh_ = {};
   const SurfacePlan plan = plan_surface(areas, rules);
   const auto& patches = plan.partition.patches;
+  std::vector<Kept*> shown;
+  shown.reserve(patches.size());
+  std::vector<std::pair<std::size_t, Kept*>> fresh;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const auto [at, is_fresh] = kept_.try_emplace(key_of(patches[i], plan.joints.sides[i]));
+    if (is_fresh) fresh.emplace_back(i, &at->second);
+    at->second.used = frame_;
+    shown.push_back(&at->second);
+  }
+  make(plan, fresh);
   mesh_.draws.reserve(patches.size());
   for (std::size_t i = 0; i < patches.size(); ++i) {
-    const SurfacePatch& patch = patches[i];
-    const SideVertices& sides = plan.joints.sides[i];
-    const auto [at, fresh] = kept_.try_emplace(key_of(patch, sides));
-    if (fresh) at->second = make(patch, sides);
-    Kept& kept = at->second;
-    kept.used = frame_;
-    mesh_.draws.push_back({patch.area, static_cast<std::uint32_t>(patch.from), patch.surface.coarser_share(),
-                           kept.first_vertex, kept.first_index, kept.indices});
+    const Kept& kept = *shown[i];
+    mesh_.draws.push_back({patches[i].area, static_cast<std::uint32_t>(patches[i].from),
+                           patches[i].surface.coarser_share(), kept.first_vertex, kept.first_index,
+                           kept.indices});
     mesh_.triangles += kept.indices / 3;
   }
   append_walls(plan.partition, plan.joints, mesh_.walls);

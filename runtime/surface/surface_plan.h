@@ -2,10 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <unordered_map>
+#include <utility>
 
 #include "cairn/surface_mesh.h"
+#include "runtime/surface/frame_workers.h"
 #include "runtime/surface/patch_partition.h"
 #include "runtime/surface/range_arena.h"
 #include "runtime/surface/side_joints.h"
@@ -23,10 +26,12 @@ SurfacePlan plan_surface(std::span<const SurfaceArea> areas, const SurfaceRules&
 
 /// Makes the meshes of frames, and keeps those of patches from frame to frame: a frame makes what is new.
 ///
-/// What is drawn at a place is its area's surface and nobody else's. One thread. Patches that
-/// kKeptFrames frames have not shown are dropped.
+/// What is drawn at a place is its area's surface and nobody else's. Patches that kKeptFrames frames have not
+/// shown are dropped. One thread calls; `threads` more help it with triangles.
 class SurfaceMesher {
  public:
+  explicit SurfaceMesher(int threads) : workers_(std::make_unique<FrameWorkers>(threads)) {}
+
   /// REQUIRES: no two areas overlap; a tile of one id has one content for as long as this lives.
   SurfaceMesh frame(std::span<const SurfaceArea> areas, const SurfaceRules& rules);
 
@@ -57,9 +62,10 @@ class SurfaceMesher {
   };
 
   static Key key_of(const SurfacePatch& patch, const SideVertices& sides);
-  Kept make(const SurfacePatch& patch, const SideVertices& sides);
+  void make(const SurfacePlan& plan, std::span<const std::pair<std::size_t, Kept*>> fresh);
   void drop_unused();
 
+  std::unique_ptr<FrameWorkers> workers_;
   std::unordered_map<Key, Kept, KeyHash> kept_;
   RangeArena vertices_;
   RangeArena indices_;

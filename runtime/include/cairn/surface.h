@@ -63,7 +63,8 @@ struct SurfaceFrame {
 /// and gliding from one level to the next. Knows no graphics.
 ///
 /// Threads: a Surface belongs to one thread, that of Terrain::update(). What preparing() returns is called
-/// on the workers, at the same time; it does there what takes long, some 20 ms a tile.
+/// on the workers, at the same time; it does there what takes long, some 20 ms a tile. A Surface has up to
+/// four threads of its own, which share the making of triangles with frame() while it runs.
 /// Lifetimes: a Surface may be destroyed before the Terrain. A draw's ranges stay where they are while a
 /// frame shows it, and for eight frames after; then another draw may have them, which an upload says. Cost: a
 /// frame chooses, and makes the triangles of what is new; docs/viewer.md has the figures.

@@ -238,7 +238,7 @@ TEST_CASE("fewer triangles are drawn from farther away") {
   const std::vector<SurfaceArea> areas = {{id, surfaces.get(id)}};
   std::size_t previous = 3 * 256 * 256;
   for (const double height : {1500.0, 20000.0, 300000.0, 5e6, 1e9}) {
-    SurfaceMesher mesher;
+    SurfaceMesher mesher(2);
     const std::size_t triangles = mesher.frame(areas, rules_above({10.3, 45.7}, height, 1)).triangles;
     CHECK(triangles <= previous);
     previous = triangles;
@@ -250,7 +250,7 @@ TEST_CASE("a frame makes what is new, in ranges of its own, and nothing while th
   Surfaces surfaces;
   const TileId id = tile_at({10.3, 45.7}, 3);
   const std::vector<SurfaceArea> areas = {{id, surfaces.get(id)}};
-  SurfaceMesher mesher;
+  SurfaceMesher mesher(2);
   CHECK(!mesher.frame(areas, rules_above({10.3, 45.7}, 9000, 1)).uploads.empty());
   CHECK(mesher.frame(areas, rules_above({10.3, 45.7}, 9000, 1)).uploads.empty());
   std::uint32_t largest = 0;
