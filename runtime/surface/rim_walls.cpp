@@ -18,9 +18,9 @@ struct RimVertex {
   float coarser_share = 0;
   bool is_void = false;
 
+  float shown_m() const { return vertex.vertex.height_m + vertex.vertex.to_coarser_m * coarser_share; }
   auto heights() const {
-    const float shown = vertex.vertex.height_m + vertex.vertex.to_coarser_m * coarser_share;
-    return std::tuple(shown, vertex.vertex.height_m, vertex.vertex.to_coarser_m, coarser_share);
+    return std::tuple(shown_m(), vertex.vertex.height_m, vertex.vertex.to_coarser_m, coarser_share);
   }
 };
 
@@ -129,18 +129,69 @@ class WallBuilder {
     for (const RimVertex& vertex : a) walls_.vertices.push_back(shown_as(vertex, shown, side));
     for (const RimVertex& vertex : around) walls_.vertices.push_back(shown_as(vertex, shown, side));
     const bool open_voids = leaves_voids_open(s);
-    const auto add = [&](std::size_t i, std::size_t j, bool of_a) {
-      const RimVertex& third = of_a ? a[i + 1] : around[j + 1];
-      if (is_same(a[i], around[j]) || is_same(a[i], third) || is_same(around[j], third)) return;
-      if (open_voids && (a[i].is_void || around[j].is_void || third.is_void)) return;
-      const std::size_t last = of_a ? first_of_a + i + 1 : first_of_b + j + 1;
-      walls_.indices.insert(walls_.indices.end(),
-                            {static_cast<std::uint32_t>(first_of_a + i),
-                             static_cast<std::uint32_t>(first_of_b + j), static_cast<std::uint32_t>(last)});
+    join(open_voids ? all_of(a, first_of_a) : lowered(a, around, first_of_a),
+         open_voids ? all_of(around, first_of_b) : lowered(around, a, first_of_b), open_voids);
+  }
+
+  /// A vertex of a rim and its number among the walls' vertices.
+  struct Numbered {
+    const RimVertex* rim;
+    std::uint32_t number;
+  };
+
+  static std::vector<Numbered> all_of(std::span<const RimVertex> rim, std::uint32_t first) {
+    std::vector<Numbered> all;
+    for (const RimVertex& vertex : rim) all.push_back({&vertex, first++});
+    return all;
+  }
+
+  /// Whether a vertex lies above the line between the one before and the one after it.
+  static bool stands_up(const RimVertex& before, const RimVertex& vertex, const RimVertex& after) {
+    const auto rise = [](const RimVertex& from, const RimVertex& to) {
+      return static_cast<double>(to.shown_m()) - static_cast<double>(from.shown_m());
     };
-    for (std::size_t i = 0, j = 0; i + 1 < a.size() || j + 1 < around.size();) {
-      const bool of_a = i + 1 < a.size() && (j + 1 == around.size() || a[i + 1].along < around[j + 1].along);
-      add(i, j, of_a);
+    return rise(before, vertex) * static_cast<double>(after.along - vertex.along) >
+           rise(vertex, after) * static_cast<double>(vertex.along - before.along);
+  }
+
+  /// Cuts triangles off a rim until no vertex stands up but those that the other rim has, too, and returns
+  /// what is left. They lie below the rim. Triangles from rim to rim alone would stand out above both where
+  /// these cross.
+  std::vector<Numbered> lowered(std::span<const RimVertex> rim, std::span<const RimVertex> other,
+                                std::uint32_t first) {
+    std::vector<Numbered> left;
+    const auto is_of_both = [&](const RimVertex& vertex) {
+      auto at = std::lower_bound(other.begin(), other.end(), vertex,
+                                 [](const RimVertex& a, const RimVertex& b) { return a.along < b.along; });
+      for (; at != other.end() && at->along == vertex.along; ++at) {
+        if (is_same(*at, vertex)) return true;
+      }
+      return false;
+    };
+    for (const Numbered& next : all_of(rim, first)) {
+      while (left.size() > 1) {
+        const Numbered &before = left[left.size() - 2], &last = left.back();
+        if (!stands_up(*before.rim, *last.rim, *next.rim) || is_of_both(*last.rim)) break;
+        add(before, last, next);
+        left.pop_back();
+      }
+      left.push_back(next);
+    }
+    return left;
+  }
+
+  void add(const Numbered& a, const Numbered& b, const Numbered& c) {
+    if (is_same(*a.rim, *b.rim) || is_same(*a.rim, *c.rim) || is_same(*b.rim, *c.rim)) return;
+    walls_.indices.insert(walls_.indices.end(), {a.number, b.number, c.number});
+  }
+
+  /// Fills what is between two rims that begin at one place and end at another.
+  void join(const std::vector<Numbered>& a, const std::vector<Numbered>& b, bool open_voids) {
+    for (std::size_t i = 0, j = 0; i + 1 < a.size() || j + 1 < b.size();) {
+      const bool of_a = i + 1 < a.size() && (j + 1 == b.size() || a[i + 1].rim->along < b[j + 1].rim->along);
+      const Numbered& third = of_a ? a[i + 1] : b[j + 1];
+      const bool is_open = open_voids && (a[i].rim->is_void || b[j].rim->is_void || third.rim->is_void);
+      if (!is_open) add(a[i], b[j], third);
       of_a ? ++i : ++j;
     }
   }
