@@ -83,17 +83,40 @@ vec2 imagery_place(vec2 along_x, vec2 along_y) {
   return place;
 }
 
-vec3 surface_colour() {
+vec4 imagery_at(vec3 at, vec2 along_x, vec2 along_y) {
+  return patch_facts.x == 1   ? textureGrad(bc1, at, along_x, along_y)
+         : patch_facts.x == 2 ? textureGrad(bc3, at, along_x, along_y)
+                              : textureGrad(bc7, at, along_x, along_y);
+}
+
+// Towards a pole the meridians come together, and a pixel is as wide as many texels: a mip as coarse as that would blur
+// along the meridians, too. So the mean of several places along the parallel is shown, each filtered for its share of the
+// width. They stay between the tile's sides, where neighbours agree.
+const float kMostTaps = 8.0;
+vec4 imagery_texel(vec3 up) {
+  vec2 along_x = dFdx(patch_place) * imagery_window.z * vec2(1, -1);
+  vec2 along_y = dFdy(patch_place) * imagery_window.z * vec2(1, -1);
+  float taps = clamp(ceil(0.5 / max(length(up.xy), 1e-6)), 1.0, kMostTaps);
+  float width = max(abs(along_x.x), abs(along_y.x));
+  along_x.x /= taps;
+  along_y.x /= taps;
+  vec2 place = imagery_place(along_x, along_y);
+  float inside = min(place.x, extents.x / exp2(float(tile_cells_log2)) - place.x);
+  float spread = clamp(inside, 0.0, 0.5 * width * (taps - 1.0) / taps);
+  vec4 sum = vec4(0.0);
+  for (float tap = 0.0; tap < taps; ++tap) {
+    float aside = taps > 1.0 ? spread * (2.0 * tap / (taps - 1.0) - 1.0) : 0.0;
+    // Imagery's rows run from north to south.
+    sum += imagery_at(vec3(place.x + aside, 1.0 - place.y, imagery_window.w), along_x, along_y);
+  }
+  return sum / taps;
+}
+
+vec3 surface_colour(vec3 up) {
   vec3 plain = has_heights() ? tint(tile_height()) : kNoData;
   if ((look & 1u) != 0u) return level_colour(patch_facts.w);
   if (patch_facts.x == 0) return plain;
-  vec2 along_x = dFdx(patch_place) * imagery_window.z * vec2(1, -1);
-  vec2 along_y = dFdy(patch_place) * imagery_window.z * vec2(1, -1);
-  vec2 place = imagery_place(along_x, along_y);
-  vec3 at = vec3(place.x, 1.0 - place.y, imagery_window.w);  // imagery's rows run from north to south
-  vec4 texel = patch_facts.x == 1   ? textureGrad(bc1, at, along_x, along_y)
-               : patch_facts.x == 2 ? textureGrad(bc3, at, along_x, along_y)
-                                    : textureGrad(bc7, at, along_x, along_y);
+  vec4 texel = imagery_texel(up);
   return mix(plain, texel.rgb, texel.a);
 }
 
@@ -139,7 +162,7 @@ void main() {
   float sun = max(dot(normal, to_sun), 0.0) * day;
   float sky = 0.5 + 0.5 * dot(normal, up);
   vec3 light = sun * vec3(1.12, 1.06, 0.95) + sky * (0.04 + 0.22 * day) * vec3(0.75, 0.9, 1.15);
-  vec3 lit = surface_colour() * light;
+  vec3 lit = surface_colour(up) * light;
   if ((look & 2u) != 0u) lit = mix(lit, vec3(0.44, 0.58, 0.78) * (0.03 + 0.97 * day), haze(length(from_eye)));
   colour = vec4(lit, 1.0);
 }
