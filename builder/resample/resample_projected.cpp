@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstring>
 #include <limits>
+#include <numbers>
 
 namespace cairn {
 namespace {
@@ -14,7 +15,8 @@ namespace {
 constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
 constexpr double kReach = 4;                 // posts beyond the extent
 constexpr double kPositionTolerance = 1e-3;  // of a post; the fit corrects what comes of it
-constexpr double kPlaceTolerance = 1e-5;     // of a sample
+constexpr double kPlaceTolerance = 1e-5;     // of a sample's height
+constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::int64_t kLeastStep = 8;  // of the meshes: cells that are too wide are found out by their check
 
 // Vectors that every x86-64 CPU has.
@@ -179,6 +181,13 @@ IndexWindow ProjectedResampler::posts_near(IndexWindow samples) const {
           {std::max(around.y.first, extent_.y.first), std::min(around.y.last, extent_.y.last)}};
 }
 
+// A window that is wider than half the Earth may meet a post on both its sides.
+ProjectionMesh::Box ProjectedResampler::around_window(IndexWindow samples) const {
+  const bool wide = static_cast<double>(samples.x.count()) > around() / 2;
+  return {{wide ? -HUGE_VAL : static_cast<double>(samples.x.first), static_cast<double>(samples.y.first)},
+          {wide ? HUGE_VAL : static_cast<double>(samples.x.last), static_cast<double>(samples.y.last)}};
+}
+
 void ProjectedResampler::visit_places(IndexWindow posts, IndexWindow samples,
                                       std::span<const PlanePoint> shifts, const VisitPlaces& visit) const {
   const double middle = middle_of(samples.x), turn = around();
@@ -189,8 +198,13 @@ void ProjectedResampler::visit_places(IndexWindow posts, IndexWindow samples,
   };
   IndexWindow meshed = posts;
   if (!shifts.empty()) meshed = {{posts.x.first, posts.x.last + 1}, {posts.y.first, posts.y.last + 1}};
+  // Towards a pole a sample becomes as narrow as its parallel is short, and a place counts by the ground.
+  const auto tolerance = [this](const PlanePoint& exact) {
+    const double across = std::cos((exact.y / samples_per_degree_ - 90) * kDegree);
+    return PlanePoint{kPlaceTolerance / std::max(across, kPlaceTolerance), kPlaceTolerance};
+  };
   const ProjectionMesh mesh(meshed, std::max(kLeastStep, projection_mesh_step(samples_per_degree_ / 2)),
-                            kPlaceTolerance, place);
+                            tolerance, place, around_window(samples));
   std::vector<PlanePoint> row(static_cast<std::size_t>(meshed.x.count())), next(row.size());
   for (std::int64_t y = posts.y.first; y <= posts.y.last; ++y) {
     mesh.row(y, row);

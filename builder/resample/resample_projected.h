@@ -48,8 +48,9 @@ class ProjectedResampler {
 
   using VisitPlaces = std::function<void(std::int64_t row, std::span<const PlanePoint> places)>;
   /// Calls `visit` with the places of the posts, row by row, in samples, on that side of 180° that is nearer
-  /// to the samples' middle; not finite where the CRS has no place. `shifts`: by post, by how much of a post
-  /// it lies off the grid, at most a hundredth; empty where none does.
+  /// to the samples' middle; not finite where the CRS has no place, and for posts that are well outside of
+  /// the window of samples. `shifts`: by post, by how much of a post it lies off the grid, at most a
+  /// hundredth; empty where none does.
   void visit_places(IndexWindow posts, IndexWindow samples, std::span<const PlanePoint> shifts,
                     const VisitPlaces& visit) const;
 
@@ -68,6 +69,7 @@ class ProjectedResampler {
  private:
   PlanePoint position_of(std::int64_t x, std::int64_t y) const;
   bool is_in_reach(const PlanePoint& position) const;
+  ProjectionMesh::Box around_window(IndexWindow samples) const;
   void interpolate(std::span<const float> heights, const SamplePositions& positions,
                    std::span<float> out) const;
   PostEquations equations(std::span<const float> heights, std::span<const std::uint8_t> fitted,

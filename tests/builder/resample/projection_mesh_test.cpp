@@ -56,6 +56,38 @@ TEST_CASE("a mesh gives the same places in every window") {
   }
 }
 
+TEST_CASE("around a pole a mesh gives every wanted place, and only places well outside as none") {
+  // A polar stereographic plane's longitude and colatitude, in samples of 1/1024 degree.
+  const auto map = [](std::int64_t x, std::int64_t y) {
+    const double east = static_cast<double>(x) - 3.3, north = static_cast<double>(y) + 7.1;
+    return PlanePoint{std::atan2(east, -north) * 58671, std::hypot(east, north) * 1.9};
+  };
+  const auto tolerance = [](const PlanePoint& at) { return PlanePoint{1e-5 * 58671 / (at.y + 1), 1e-5}; };
+  const IndexWindow window{{-300, 420}, {-400, 410}};
+  const ProjectionMesh::Box wanted{{20000, 100}, {26000, 700}};
+  const ProjectionMesh mesh(window, 16, tolerance, map, wanted);
+  std::vector<PlanePoint> row(721);
+  int inside = 0, none = 0;
+  for (std::int64_t y = window.y.first; y <= window.y.last; ++y) {
+    mesh.row(y, row);
+    for (std::int64_t x = window.x.first; x <= window.x.last; ++x) {
+      const PlanePoint exact = map(x, y), &near = row[static_cast<std::size_t>(x - window.x.first)];
+      if (std::isnan(near.x)) {
+        ++none;
+        REQUIRE(!(exact.x >= wanted.least.x && exact.x <= wanted.most.x && exact.y >= wanted.least.y &&
+                  exact.y <= wanted.most.y));
+        continue;
+      }
+      ++inside;
+      CAPTURE(x, y);
+      REQUIRE(std::abs(near.x - exact.x) <= 3 * tolerance(exact).x);
+      REQUIRE(std::abs(near.y - exact.y) <= 3e-5);
+    }
+  }
+  CHECK(inside > 10000);
+  CHECK(none > inside);
+}
+
 TEST_CASE("a mesh is the map itself where the map breaks, bends sharply or has no place") {
   const auto breaks = [](std::int64_t x, std::int64_t y) {
     const double bend = std::abs(static_cast<double>(x + y) - 71.3);
