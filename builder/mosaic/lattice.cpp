@@ -7,6 +7,10 @@ namespace {
 
 constexpr double kCoincide = 1e-4;  // of a post; a slope of 45° turns it into 9 mm at 3"
 
+// Of a post: how far a restored spacing may move one. At a slope of 45° it is a fifth of the default error
+// bound of whole metres at 3", and likewise for finer heights.
+constexpr double kDriftOfMetres = 1e-3, kDrift = 1e-4;
+
 // How many posts `b`'s origin lies past `a`'s, where both have the same spacing; nullopt where no posts
 // coincide.
 std::optional<std::int64_t> offset_between(const LatticeAxis& a, const LatticeAxis& b) {
@@ -29,8 +33,9 @@ std::optional<LatticePlacement> place_on_lattice(const RasterInfo& info) {
   const Georeference& g = info.georeference;
   if (!g.is_lattice()) return std::nullopt;
   const double south = g.dy > 0 ? g.y0 : g.y0 + g.dy * static_cast<double>(info.rows - 1);
-  const LatticeSpan lon = lattice_of(g.x0 + 180.0, g.dx, info.columns);
-  const LatticeSpan lat = lattice_of(south + 90.0, std::abs(g.dy), info.rows);
+  const double drift = info.whole_metres ? kDriftOfMetres : kDrift;
+  const LatticeSpan lon = lattice_of(g.x0 + 180.0, g.dx, info.columns, drift);
+  const LatticeSpan lat = lattice_of(south + 90.0, std::abs(g.dy), info.rows, drift);
   return LatticePlacement{{lon.axis, lat.axis}, lon.first, lat.first, g.dy < 0};
 }
 

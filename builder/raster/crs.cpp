@@ -95,15 +95,18 @@ double metres_of_unit(std::string_view name) {
   for (const std::string_view foot : {"ussurveyfoot", "ussurveyfeet", "usft", "ftus", "sfoot", "surveyfoot",
                                       "surveyfeet", "footus", "feetus", "usfoot", "usfeet"})
     if (spelt == foot) return metres_of_unit(9003);
-  struct Metric {
+  struct Unit {
     std::string_view name;
     double metres;
   };
-  for (const Metric unit : {Metric{"km", 1000}, Metric{"kilometre", 1000}, Metric{"kilometer", 1000},
-                            Metric{"dm", 0.1}, Metric{"decimetre", 0.1}, Metric{"decimeter", 0.1},
-                            Metric{"cm", 0.01}, Metric{"centimetre", 0.01}, Metric{"centimeter", 0.01},
-                            Metric{"mm", 0.001}, Metric{"millimetre", 0.001}, Metric{"millimeter", 0.001}})
-    if (spelt == unit.name) return unit.metres;
+  constexpr double kYard = 0.9144, kFathom = 1.8288;
+  for (const Unit unit :
+       {Unit{"km", 1000}, Unit{"kilometre", 1000}, Unit{"kilometer", 1000}, Unit{"dm", 0.1},
+        Unit{"decimetre", 0.1}, Unit{"decimeter", 0.1}, Unit{"cm", 0.01}, Unit{"centimetre", 0.01},
+        Unit{"centimeter", 0.01}, Unit{"mm", 0.001}, Unit{"millimetre", 0.001}, Unit{"millimeter", 0.001},
+        Unit{"yd", kYard}, Unit{"yard", kYard}, Unit{"fathom", kFathom}})
+    if (spelt == unit.name || (unit.name.size() > 2 && spelt == std::string(unit.name) + 's'))
+      return unit.metres;
   return 0;
 }
 

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <fstream>
+#include <numbers>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -19,6 +22,8 @@ namespace cairn {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kDegree = std::numbers::pi / 180;
 
 std::string upper(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -122,8 +127,43 @@ bool set_utm_by_name(Georeference& g, const std::string& name) {
   return i + 1 == name.size() && (name[i] == 'N' || name[i] == 'S') && set_utm(g, zone, name[i] == 'N');
 }
 
+/// The number behind the name in the last element that ends in `element`: PRIMEM["Paris",2.33],
+/// UNIT["metre",1]. nullopt where there is none.
+std::optional<double> last_number(std::string_view wkt, std::string_view element) {
+  const std::size_t at = wkt.rfind(std::string(element) + "[\"");
+  if (at == std::string_view::npos) return std::nullopt;
+  const std::size_t name_end = wkt.find('"', at + element.size() + 2);
+  if (name_end == std::string_view::npos) return std::nullopt;
+  const std::size_t digits = wkt.find_first_of("0123456789+-.", name_end);
+  if (digits == std::string_view::npos) return std::nullopt;
+  double value = 0;
+  const auto parsed = std::from_chars(wkt.data() + digits, wkt.data() + wkt.size(), value);
+  return parsed.ec == std::errc() ? std::optional(value) : std::nullopt;
+}
+
+/// Without what follows the outermost brackets: ESRI puts a vertical CRS there.
+std::string_view first_element(std::string_view wkt) {
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < wkt.size(); ++i) {
+    if (wkt[i] == '"') quoted = !quoted;
+    if (quoted) continue;
+    if (wkt[i] == '[' || wkt[i] == '(') ++depth;
+    if ((wkt[i] == ']' || wkt[i] == ')') && --depth == 0) return wkt.substr(0, i + 1);
+  }
+  return wkt;
+}
+
+/// Whether a CRS counts from Greenwich, and in this unit: what its name alone does not say.
+bool counts_in(std::string_view wkt, double unit) {
+  constexpr double kRounding = 1e-9;
+  return std::abs(last_number(wkt, "PRIMEM").value_or(0)) < kRounding &&
+         std::abs(last_number(wkt, "UNIT").value_or(unit) - unit) < kRounding;
+}
+
 /// Whether the WKT is of a CRS that cairn computes itself, and then sets it.
-bool set_known_crs_of_wkt(Georeference& g, std::string_view wkt) {
+bool set_known_crs_of_wkt(Georeference& g, std::string_view whole) {
+  const std::string_view wkt = first_element(whole);
   if (const int epsg = outermost_epsg(wkt); epsg != 0) return set_crs(g, epsg);
   std::string name = upper(std::string(name_of_wkt(wkt)));
   std::replace(name.begin(), name.end(), '_', ' ');
@@ -131,8 +171,9 @@ bool set_known_crs_of_wkt(Georeference& g, std::string_view wkt) {
     constexpr std::array kNames = {
         "WGS 84", "WGS84", "GCS WGS 1984", "NAD83", "GCS NORTH AMERICAN 1983", "ETRS89", "GCS ETRS 1989"};
     g.crs = Georeference::Crs::geographic;
-    return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
+    return counts_in(wkt, kDegree) && std::find(kNames.begin(), kNames.end(), name) != kNames.end();
   }
+  if (!counts_in(wkt, 1)) return false;
   if (name == "WGS 1984 WEB MERCATOR AUXILIARY SPHERE" || name == "WGS 84 / PSEUDO-MERCATOR")
     return set_crs(g, 3857);
   return set_utm_by_name(g, name);

@@ -22,8 +22,8 @@ struct LatticeSpan {
 
 /// The lattice of `count` posts that begin `first_degrees` from the axis's origin (180°W, 90°S) and lie
 /// `spacing_degrees` > 0 apart. Files carry both as rounded decimals: a whole number of posts a degree is
-/// taken where it moves no post by more than 1/1000 of a spacing, and a phase of 0 or 1/2 where that moves
-/// them by no more than 1/10000.
-LatticeSpan lattice_of(double first_degrees, double spacing_degrees, std::int64_t count);
+/// taken where it moves no post by more than `most_drift` of a spacing, and a phase of 0 or 1/2 where that
+/// moves them by no more than 1/10000.
+LatticeSpan lattice_of(double first_degrees, double spacing_degrees, std::int64_t count, double most_drift);
 
 }  // namespace cairn

@@ -58,9 +58,16 @@ std::optional<Cell> cell_of(const fs::path& path) {
   return cell;
 }
 
-std::optional<std::int64_t> posts_along(std::uint64_t bytes) {
-  for (const std::int64_t posts : {1201, 3601})
-    if (bytes == static_cast<std::uint64_t>(2 * posts * posts)) return posts;
+struct CellSize {
+  std::int64_t columns = 0;
+  std::int64_t rows = 0;
+};
+
+/// 3", 1", 1/2" and 1/3"; and 1" with every second meridian, as SRTM has it from 50° of latitude.
+std::optional<CellSize> size_of(std::uint64_t bytes) {
+  for (const CellSize size : {CellSize{1201, 1201}, CellSize{3601, 3601}, CellSize{7201, 7201},
+                              CellSize{10801, 10801}, CellSize{1801, 3601}})
+    if (bytes == static_cast<std::uint64_t>(2 * size.columns * size.rows)) return size;
   return std::nullopt;
 }
 
@@ -230,11 +237,12 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   if (!contents) return contents.error();
   const auto cell = agreed_cell(path, contents->packing);
   if (!cell) return cell.error();
-  const auto posts = posts_along(contents->bytes);
-  if (!posts)
-    return bad_data(
-        fmt::format("{}: size: expected 2884802 bytes (1201×1201 posts) or 25934402 (3601×3601), found {}",
-                    path.string(), contents->bytes));
+  const auto size = size_of(contents->bytes);
+  if (!size)
+    return bad_data(fmt::format(
+        "{}: size: expected the bytes of 1201×1201, 3601×3601, 1801×3601, 7201×7201 or 10801×10801 posts, "
+        "found {}",
+        path.string(), contents->bytes));
   HeightTags tags;
   tags.nodata = kNodata;
   apply_pam(read_pam_beside(path, 1), tags);
@@ -246,16 +254,16 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   RasterInfo info;
   info.path = path;
   info.format = "hgt";
-  info.columns = info.rows = *posts;
+  info.columns = size->columns;
+  info.rows = size->rows;
   info.whole_metres = encoding->whole_metres();
   info.nodata = encoding->nodata;
   info.unit = tags.unit;
   info.overrides = options.overrides;
-  const double spacing = 1.0 / static_cast<double>(*posts - 1);
   info.georeference.x0 = cell->west;
   info.georeference.y0 = cell->south + 1;
-  info.georeference.dx = spacing;
-  info.georeference.dy = -spacing;
+  info.georeference.dx = 1.0 / static_cast<double>(size->columns - 1);
+  info.georeference.dy = -1.0 / static_cast<double>(size->rows - 1);
   if (auto placed = place_raster(info); !placed) return placed.error();
   std::unique_ptr<RasterSource> source = std::make_unique<HgtSource>(
       std::move(info), *encoding, std::move(*file), std::move(contents->packing), options.cache_bytes);

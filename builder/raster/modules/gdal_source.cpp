@@ -65,6 +65,9 @@ bool set_known_crs(GDALDatasetH dataset, Georeference& g) {
   if (!projected && OSRIsGeographic(crs) == 0) return false;
   if (projected && OSRGetLinearUnits(crs, nullptr) != 1) return false;
   if (const char* code = OSRGetAuthorityCode(crs, part)) return set_crs(g, std::atoi(code));
+  constexpr double kDegree = 0.017453292519943295;
+  if (OSRGetPrimeMeridian(crs, nullptr) != 0 || std::abs(OSRGetAngularUnits(crs, nullptr) - kDegree) > 1e-12)
+    return false;
   const char* datum = OSRGetAuthorityCode(crs, "DATUM");
   const char* name = OSRGetAttrValue(crs, "DATUM", 0);
   const bool near =
@@ -186,10 +189,22 @@ Status GdalSource::read_colours(const PostWindow& window, std::span<std::uint8_t
   return apply_mask(window, [&](std::size_t i) { rgba[4 * i + 3] = 0; });
 }
 
-HeightTags height_tags_of(GDALRasterBandH band) {
+/// Metres of the unit in which a compound CRS counts heights: 0 where it counts downwards, 1 where the CRS
+/// says nothing of heights.
+double metres_of_vertical_part(GDALDatasetH dataset) {
+  OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
+  if (crs == nullptr || OSRIsCompound(crs) == 0) return 1;
+  OGRAxisOrientation direction = OAO_Up;
+  OSRGetAxis(crs, "VERT_CS", 0, &direction);
+  return direction == OAO_Down ? 0 : OSRGetTargetLinearUnits(crs, "VERT_CS", nullptr);
+}
+
+/// Only few formats have units of bands; of the others it is the CRS that says it.
+HeightTags height_tags_of(GDALDatasetH dataset, GDALRasterBandH band) {
   HeightTags tags;
   tags.unit = GDALGetRasterUnitType(band);
-  tags.metres = metres_of_unit(tags.unit);
+  tags.metres = tags.unit.empty() ? metres_of_vertical_part(dataset) : metres_of_unit(tags.unit);
+  if (tags.metres == 0 && tags.unit.empty()) tags.unit = "depths";
   int has = 0;
   const double nodata = GDALGetRasterNoDataValue(band, &has);
   if (has != 0) tags.nodata = nodata;
@@ -215,12 +230,15 @@ std::optional<VerticalReference> vertical_reference_of(GDALDatasetH dataset) {
   return VerticalReference{name == nullptr ? "unnamed" : name, VerticalDatum::ellipsoid};
 }
 
-/// GDAL takes no notice of a mask that does not fit.
+/// GDAL takes no notice of a mask that does not fit, or fails once posts are read.
 Status check_mask(GDALDatasetH dataset, const fs::path& path) {
   std::error_code ignored;
   const fs::path mask = fs::path(path).concat(".msk");
-  const bool used = (GDALGetMaskFlags(GDALGetRasterBand(dataset, 1)) & GMF_PER_DATASET) != 0;
-  if (used || !fs::is_regular_file(mask, ignored)) return {};
+  GDALRasterBandH band = GDALGetRasterBand(dataset, 1), of_band = GDALGetMaskBand(band);
+  const bool fits = (GDALGetMaskFlags(band) & GMF_PER_DATASET) != 0 &&
+                    GDALGetRasterBandXSize(of_band) == GDALGetRasterBandXSize(band) &&
+                    GDALGetRasterBandYSize(of_band) == GDALGetRasterBandYSize(band);
+  if (fits || !fs::is_regular_file(mask, ignored)) return {};
   return bad_data(fmt::format("{}: mask: expected one of {}×{} posts, found one that does not fit",
                               mask.string(), GDALGetRasterXSize(dataset), GDALGetRasterYSize(dataset)));
 }
@@ -284,7 +302,7 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   if (!type)
     return bad_data(fmt::format("{}: expected real samples of at most 64 bits, found {}", path.string(),
                                 GDALGetDataTypeName(GDALGetRasterDataType(band))));
-  HeightTags tags = height_tags_of(band);
+  HeightTags tags = height_tags_of(opened->dataset.get(), band);
   apply_overrides(options.overrides, tags);
   auto encoding = height_encoding_of(path, *type, tags);
   RasterInfo info;

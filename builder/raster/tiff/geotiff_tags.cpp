@@ -22,12 +22,12 @@ constexpr std::uint32_t kPixelScale = 33550, kTiepoint = 33922, kTransformation 
                         kGdalNodata = 42113;
 // Keys.
 constexpr int kModelType = 1024, kRasterType = 1025, kCitation = 1026, kGeographicType = 2048,
-              kGeogCitation = 2049, kGeodeticDatum = 2050, kAngularUnits = 2054, kEllipsoid = 2056,
-              kSemiMajor = 2057, kSemiMinor = 2058, kInverseFlattening = 2059, kPrimeMeridianLon = 2061,
-              kProjectedType = 3072, kProjectedCitation = 3073, kProjection = 3074, kProjMethod = 3075,
-              kLinearUnits = 3076, kNaturalOriginLon = 3080, kNaturalOriginLat = 3081, kFalseEasting = 3082,
-              kFalseNorthing = 3083, kScaleAtOrigin = 3092, kVerticalType = 4096, kVerticalCitation = 4097,
-              kVerticalUnits = 4099;
+              kGeogCitation = 2049, kGeodeticDatum = 2050, kPrimeMeridian = 2051, kAngularUnits = 2054,
+              kEllipsoid = 2056, kSemiMajor = 2057, kSemiMinor = 2058, kInverseFlattening = 2059,
+              kPrimeMeridianLon = 2061, kProjectedType = 3072, kProjectedCitation = 3073, kProjection = 3074,
+              kProjMethod = 3075, kLinearUnits = 3076, kNaturalOriginLon = 3080, kNaturalOriginLat = 3081,
+              kFalseEasting = 3082, kFalseNorthing = 3083, kScaleAtOrigin = 3092, kVerticalType = 4096,
+              kVerticalCitation = 4097, kVerticalUnits = 4099;
 // Values.
 constexpr int kProjected = 1, kGeographic = 2, kPixelIsPoint = 2, kUserDefined = 32767, kDegree = 9102,
               kMetre = 9001, kTransverseMercator = 1;
@@ -66,9 +66,11 @@ Error unknown_crs(const GeoTiffTags& tags, const std::filesystem::path& path) {
 
 /// Whether the datum, in whatever way it is written, is one that cairn takes for WGS84.
 bool has_known_datum(const GeoTiffTags& tags) {
-  constexpr int kWgs84Ellipsoid = 7030;
+  constexpr int kWgs84Ellipsoid = 7030, kGreenwich = 8901;
   const int code = key(tags, kGeographicType), datum = key(tags, kGeodeticDatum);
+  const int meridian = key(tags, kPrimeMeridian);
   Georeference ignored;
+  if ((meridian != 0 && meridian != kGreenwich) || number(tags, kPrimeMeridianLon, 0) != 0) return false;
   if (code != 0 && code != kUserDefined)
     return set_crs(ignored, code) && ignored.crs == Georeference::Crs::geographic;
   if (datum != 0 && datum != kUserDefined) return is_near_wgs84(datum);

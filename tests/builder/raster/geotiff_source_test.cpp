@@ -6,6 +6,7 @@
 #include <tiffio.h>
 
 #include "tests/support/dem_files.h"
+#include "tests/support/gdal_oracle.h"
 #include "tests/support/test_data.h"
 
 namespace cairn::test {
@@ -280,6 +281,26 @@ TEST_CASE("Any other CRS with a code is found by PROJ") {
   const Georeference gda = opened(path)->info().georeference;
   CHECK(gda.crs == Georeference::Crs::geographic);
   CHECK(gda.transform == nullptr);
+}
+
+TEST_CASE("Longitudes that a user-defined CRS counts from Ferro are not taken for Greenwich's") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.tif";
+  TiffRecipe recipe;
+  const std::map<int, int> keys = {{1024, 2}, {1025, 1}, {2048, 32767}, {2054, 9102}, {2056, 7030}};
+  for (const auto& [key, value] : {std::pair{2051, 8909}, {2061, -18}}) {
+    recipe.keys = keys;
+    recipe.double_keys.clear();
+    if (key == 2051) recipe.keys[key] = value;
+    if (key == 2061) recipe.double_keys[key] = value;
+    write_tiff(path, recipe);
+    CHECK(contains(opening_complaint(path), "user-defined"));
+    const std::string complaint = complaint_of(path);  // of GDAL and PROJ, where they are there
+    if (!complaint.empty()) continue;
+    const LonLat first = opened(path)->info().georeference.place_of(0, 0);
+    CHECK(first.lon < 10.005 - 17.6);
+    CHECK(first.lon > 10.005 - 18.01);
+  }
 }
 
 TEST_CASE("A CRS that neither the keys nor PROJ know is refused by its name") {

@@ -68,6 +68,21 @@ TEST_CASE("A one-second hgt cell has 3601 posts a side") {
   CHECK(h == static_cast<float>(test_height(3600, 1800)));
 }
 
+TEST_CASE("An hgt cell of 1\" from 50° of latitude has every second meridian") {
+  const TempDir folder;
+  Bytes bytes(static_cast<std::size_t>(2) * 1801 * 3601);
+  bytes[2 * 1801 + 2 * 7] = std::byte{1};  // column 7 of the second row: 256 m
+  write_bytes(folder.path() / "N61E010.hgt", bytes);
+  const auto source = opened(folder.path() / "N61E010.hgt");
+  CHECK(source->info().columns == 1801);
+  CHECK(source->info().rows == 3601);
+  CHECK(source->info().georeference.place_of(1800, 3600).lon == Approx(11).margin(1e-12));
+  CHECK(source->info().georeference.place_of(1800, 3600).lat == Approx(61).margin(1e-12));
+  float h = 0;
+  REQUIRE(source->read_heights({7, 1, 1, 1}, {&h, 1}).ok());
+  CHECK(h == 256);
+}
+
 TEST_CASE("An hgt whose name or size lies is refused in one line that says what was expected") {
   const TempDir folder;
   const Bytes plain = hgt_bytes(1201);
@@ -78,7 +93,7 @@ TEST_CASE("An hgt whose name or size lies is refused in one line that says what 
     CHECK(contains(complaint_of(folder.path() / name), "expected a cell such as N36E028"));
   }
   for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{2884800}, std::size_t{2884803},
-                                 std::size_t{2 * 1801 * 1801}, std::size_t{2 * 3601 * 1801}}) {
+                                 std::size_t{2 * 1801 * 1801}, std::size_t{2 * 3601 * 1802}}) {
     write_bytes(folder.path() / "N36E028.hgt", Bytes(size));
     INFO(size);
     const std::string complaint = complaint_of(folder.path() / "N36E028.hgt");

@@ -118,6 +118,18 @@ TEST_CASE("World files go by any of their names, and a .prj says their CRS or is
     CHECK(opened(path)->info().georeference.utm_north == false);
     write_text(prj, "PROJCRS[\"whatever\",BASEGEOGCRS[\"WGS 84\",ID[\"EPSG\",4326]],ID[\"EPSG\",3857]]");
     CHECK(opened(path)->info().georeference.crs == Georeference::Crs::web_mercator);
+    write_text(prj,
+               "GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\",SPHEROID[\"WGS_1984\",6378137.0,298.257223563]],"
+               "PRIMEM[\"Ferro\",-17.6666666666666667],UNIT[\"Degree\",0.0174532925199433]]");
+    write_text(folder.path() / name, "0.01 0 0 -0.01 27.6666666666666667 45");
+    CHECK(complaint_of(path).find("found GCS_WGS_1984") != std::string::npos);  // PROJ's answer
+    write_text(prj,
+               "GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\",SPHEROID[\"WGS_1984\",6378137.0,298.257223563]],"
+               "PRIMEM[\"Greenwich\",0.0],UNIT[\"Degree\",0.0174532925199433]],VERTCS[\"EGM96_Geoid\",VDATUM["
+               "\"EGM96_Geoid\"],PARAMETER[\"Vertical_Shift\",0.0],PARAMETER[\"Direction\",1.0],UNIT["
+               "\"Meter\",1.0]]");
+    CHECK(opened(path)->info().georeference.crs == Georeference::Crs::geographic);
+    CHECK(opened(path)->info().georeference.place_of(0, 0).lon == Approx(27.6666666666666667));
     write_text(prj, "EPSG:27700");
     CHECK(complaint_of(path).find("WKT") != std::string::npos);
     fs::remove(prj);

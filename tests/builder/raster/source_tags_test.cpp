@@ -99,6 +99,7 @@ TEST_CASE("a mask beside the file leaves out what it marks, in heights and in co
     CHECK_THAT(refused.error().message,
                Catch::Contains("mask: expected the image's size, 100×80, found 7×80"));
   }
+  CHECK_THAT(complaint_of(path), Catch::Contains("found 7×80"));  // also not by way of GDAL
 }
 
 TEST_CASE("nodata, unit, scale and offset count from a side-car; statistics do not") {
@@ -120,8 +121,8 @@ TEST_CASE("nodata, unit, scale and offset count from a side-car; statistics do n
   write_text(sidecar, band_item("Metadata", "<MDI key=\"STATISTICS_MAXIMUM\">-1000</MDI>"));
   CHECK(all_heights(*opened(path))[0] == 1000);
   CHECK(all_heights(*opened(path))[3] == -500);
-  write_text(sidecar, band_item("UnitType", "fathom"));
-  CHECK(complaint_of(path).find("heights: expected metres or feet above a datum, found fathom") !=
+  write_text(sidecar, band_item("UnitType", "furlong"));
+  CHECK(complaint_of(path).find("heights: expected metres or feet above a datum, found furlong") !=
         std::string::npos);
 
   const auto hgt = folder.path() / "N10E010.hgt";
@@ -164,6 +165,21 @@ TEST_CASE("units are known in any case, as the band says") {
   for (const char* foot : {"US survey foot", "US_Survey_Foot", "ftUS", "us-ft", "Foot_US"})
     CHECK(height_in(foot) == static_cast<float>(1000 * kSurveyFoot));
   CHECK(height_in("cm") == 10);
+  CHECK(height_in("decimeters") == 100);
+  CHECK(height_in("Yards") == static_cast<float>(914.4));
+  CHECK(height_in("fathom") == static_cast<float>(1828.8));
+}
+
+TEST_CASE("where a format has no units of bands, the vertical CRS says the heights' unit") {
+  const TempDir folder;
+  const std::string at = folder.path().string() + "/";
+  write_tiff(at + "x.tif", level_ground(1000));
+  for (const auto& [crs, metres] : {std::pair{"EPSG:4269+6360", kSurveyFoot}, {"EPSG:4269+8228", kFoot}}) {
+    INFO(crs);
+    if (!run_gdal(std::string("gdal_translate -of ENVI -a_srs ") + crs + " " + at + "x.tif " + at + "x.img"))
+      return;
+    CHECK(all_heights(*opened(at + "x.img"))[0] == static_cast<float>(1000 * metres));
+  }
 }
 
 TEST_CASE("an image's unit is not looked at, that of heights is") {
