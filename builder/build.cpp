@@ -30,7 +30,10 @@ PackHeader header_for(const BakePlan& layers, const BuildOptions& options) {
   PackHeader header;
   header.tile_size = static_cast<std::uint16_t>(options.grid.tile_size);
   header.body = layers.body;
-  if (layers.heights) header.vertical_datum = layers.heights->datum().datum;
+  if (layers.heights) {
+    header.vertical_datum = layers.heights->datum().datum;
+    header.other_datum = other_datum_of(layers.heights->datum());
+  }
   if (layers.plan) header.quantum_m = layers.plan->quantum_m();
   return header;
 }

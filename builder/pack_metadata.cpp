@@ -58,20 +58,21 @@ Json source_of(const RasterInfo& info, std::uint64_t hash) {
   return source;
 }
 
-// The part of the bounds that lies in the region, whatever turn of longitudes that has; a pack is asked for
-// by its region, also where whole tiles around it were baked.
+// The part of the bounds that lies in the region, whatever turn of longitudes that has, in one piece also
+// across 180°; a pack is asked for by its region, also where whole tiles around it were baked.
 GeoBounds cut_to(const std::optional<GeoBounds>& region, const GeoBounds& bounds) {
   if (!region) return bounds;
-  GeoBounds widest = bounds;
-  double width = 0;
+  std::optional<GeoBounds> all;
   for (const double turn : {-360.0, 0.0, 360.0}) {
-    const GeoBounds cut{std::max(bounds.west, region->west + turn), std::max(bounds.south, region->south),
-                        std::min(bounds.east, region->east + turn), std::min(bounds.north, region->north)};
-    if (cut.width() <= width || cut.height() <= 0) continue;
-    width = cut.width();
-    widest = cut;
+    const GeoBounds cut{std::max(bounds.west + turn, region->west), std::max(bounds.south, region->south),
+                        std::min(bounds.east + turn, region->east), std::min(bounds.north, region->north)};
+    if (cut.width() <= 0 || cut.height() <= 0) continue;
+    all = all ? GeoBounds{std::min(all->west, cut.west), cut.south, std::max(all->east, cut.east), cut.north}
+              : cut;
   }
-  return widest;
+  if (!all) return bounds;
+  const double turns = 360 * std::floor((all->west + 180) / 360);
+  return {all->west - turns, all->south, all->east - turns, all->north};
 }
 
 bool touches_region(const std::optional<GeoBounds>& region, const GeoBounds& bounds) {
@@ -159,7 +160,8 @@ Result<std::string> describe_pack(const BakePlan& layers, const BuildOptions& op
     meta["grid"]["finest"] = layers.plan->finest();
   }
   const MosaicDatum datum = layers.heights ? layers.heights->datum() : MosaicDatum{};
-  meta["vertical_datum"] = to_string(datum.datum);
+  const std::string other_datum = other_datum_of(datum);
+  meta["vertical_datum"] = other_datum.empty() ? std::string(to_string(datum.datum)) : other_datum;
   if (!datum.vertical_crs.empty()) meta["vertical_crs"] = datum.vertical_crs;
   meta["bounds"] = json_of(cut_to(options.grid.region, layers.bounds()));
   if (layers.plan) {

@@ -130,7 +130,7 @@ std::vector<Finding> check_metadata_json(const PackReader& pack) {
   }
   JsonRules rules(*metadata, findings);
   rules.at("/cairn", json::value_t::string);
-  rules.text_is("/vertical_datum", to_string(pack.header().vertical_datum));
+  rules.text_is("/vertical_datum", std::string(pack.header().datum_name()));
   rules.number_is("/grid/tile_size", pack.header().tile_size);
   check_bounds(rules);
   const bool imagery_alone = pack.levels(Layer::imagery) && !pack.levels(Layer::heights);

@@ -154,8 +154,9 @@ void note_in_group(double x, double y, double error, int groups, PostErrors& err
 }  // namespace
 
 std::uint64_t PostCounting::count(const MeasuredPosts& posts) const {
-  const auto beyond = std::find_if(posts.xs.begin(), posts.xs.end(),
-                                   [&](double x) { return (x - x0) * scale >= window.columns - 1; });
+  const auto beyond = std::find_if(posts.xs.begin(), posts.xs.end(), [&](double x) {
+    return (x - x0) * scale >= std::min<double>(window.columns - 1, antimeridian);
+  });
   const auto inside = static_cast<std::size_t>(beyond - posts.xs.begin());
   std::uint64_t counted = 0;
   for (const double y : posts.ys) {

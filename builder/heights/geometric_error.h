@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -39,6 +40,8 @@ struct PostCounting {
   bool count_north = false;
   bool count_north_west = false;  ///< the corner alone
   bool count_north_east = false;  ///< the corner alone
+  /// The window's column at 180°E, from which on posts are the tile's at 180°W.
+  double antimeridian = HUGE_VAL;
 
   /// Where the surface measured is an ancestor's: its sample (x0, y0) is the window's corner, and one of its
   /// samples is `scale` of the window's.
@@ -49,6 +52,7 @@ struct PostCounting {
   bool counts(double surface_x, double surface_y) const {
     const double x = (surface_x - x0) * scale;
     const double y = (surface_y - y0) * scale;
+    if (x > antimeridian || (x == antimeridian && !count_east)) return false;
     const bool east = x >= window.columns - 1;
     const bool north = y >= window.rows - 1;
     if (!east && !north) return true;

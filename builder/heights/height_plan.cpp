@@ -111,6 +111,8 @@ PostCounting HeightPlan::counting(const TileId& leaf) const {
   const auto lies = [&](int dx, int dy) { return tree_.wants(neighbour_of(leaf, dx, dy)); };
   PostCounting counting;
   counting.window = window_of(leaf, tile_size_);
+  const SampleWindow& window = counting.window;
+  counting.antimeridian = 360 * window.samples_per_degree - static_cast<double>(window.column);
   const bool east = lies(1, 0);
   const bool north = lies(0, 1);
   counting.count_east = !east;

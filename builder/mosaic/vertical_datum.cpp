@@ -1,5 +1,7 @@
 #include "builder/mosaic/vertical_datum.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace cairn {
@@ -40,6 +42,18 @@ Status check_geoid(const RasterPool& pool, std::optional<VerticalDatum> told) {
 }
 
 }  // namespace
+
+std::string other_datum_of(const MosaicDatum& datum) {
+  constexpr std::size_t kMostBytes = 39;
+  if (datum.datum != VerticalDatum::unknown) return {};
+  std::size_t bytes = std::min(datum.vertical_crs.size(), kMostBytes);
+  const auto is_inside_character = [&](std::size_t at) {
+    return at < datum.vertical_crs.size() &&
+           (static_cast<unsigned char>(datum.vertical_crs[at]) & 0xC0) == 0x80;
+  };
+  while (bytes > 0 && is_inside_character(bytes)) --bytes;
+  return datum.vertical_crs.substr(0, bytes);
+}
 
 Result<MosaicDatum> vertical_datum_of(const RasterPool& pool, std::optional<VerticalDatum> told,
                                       bool with_geoid) {

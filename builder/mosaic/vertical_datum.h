@@ -15,6 +15,10 @@ struct MosaicDatum {
   std::string vertical_crs;  ///< its name, where every source says one and they agree; else empty
 };
 
+/// What a pack calls a datum that is none of VerticalDatum's: the vertical CRS's name, in as many whole UTF-8
+/// characters as its header has room for. Empty where the datum is one of those, or nothing is known of it.
+std::string other_datum_of(const MosaicDatum& datum);
+
 /// What heights of all sources are measured from: `told`, else what every source says of itself, else
 /// unknown. With a geoid, which makes them ellipsoidal, it is the ellipsoid.
 ///

@@ -26,7 +26,10 @@ constexpr std::array kKnown = {Known{5773, "EGM96 height", VerticalDatum::egm96}
 
 }  // namespace
 
+// Heights are metres once they are read, so the unit in a CRS's name is none of the datum's.
 VerticalReference vertical_reference_named(std::string_view name) {
+  for (const std::string_view unit : {" (ft)", " (ftUS)", " (m)"})
+    if (name.ends_with(unit)) name.remove_suffix(unit.size());
   const bool is_egm96 = name.find("EGM96") != std::string_view::npos;
   return {printable(name), is_egm96 ? VerticalDatum::egm96 : VerticalDatum::unknown};
 }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "builder/raster/crs.h"
 #include "builder/raster/height_tags.h"
 #include "builder/raster/io/chunk_cache.h"
 #include "builder/raster/io/input_file.h"
@@ -38,6 +39,8 @@ struct Header {
   std::int64_t lat_interval = 0;
   std::int64_t columns = 0;
   std::int64_t rows = 0;
+  bool above_egm96 = false;
+  bool on_wgs72 = false;  // else on WGS84
 };
 
 std::optional<std::int64_t> digits(std::string_view text) {
@@ -91,6 +94,14 @@ Result<Header> parse_header(const fs::path& path, std::string_view label, std::u
   return Header{offset + kHeaderBytes, *west, *south, *dx, *dy, *columns, *rows};
 }
 
+/// The data set identification, the label after the first, names the datums (MIL-PRF-89020B, table III).
+void read_datums(std::string_view identification, Header& header) {
+  constexpr std::size_t kVertical = 141, kHorizontal = 144;
+  if (!identification.starts_with("DSI") || identification.size() < kHorizontal + 5) return;
+  header.above_egm96 = identification.substr(kVertical, 3) == "E96";
+  header.on_wgs72 = identification.substr(kHorizontal, 5) == "WGS72";
+}
+
 Result<Header> read_header(const InputFile& file) {
   std::array<char, 16 * kLabelBytes> first{};
   const std::size_t count = std::min<std::size_t>(first.size(), static_cast<std::size_t>(file.size()));
@@ -101,7 +112,9 @@ Result<Header> read_header(const InputFile& file) {
   if (at + kLabelBytes > count)
     return bad_data(fmt::format("{}: expected a header of {} bytes, found {}", file.path().string(),
                                 kHeaderBytes, file.size()));
-  return parse_header(file.path(), bytes.substr(at, kLabelBytes), at);
+  auto header = parse_header(file.path(), bytes.substr(at, kLabelBytes), at);
+  if (header) read_datums(bytes.substr(at + kLabelBytes), *header);
+  return header;
 }
 
 std::size_t record_bytes(const RasterInfo& info) {
@@ -224,6 +237,9 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   info.georeference.y0 = header->south + static_cast<double>(info.rows - 1) * dy;
   info.georeference.dx = dx;
   info.georeference.dy = -dy;
+  constexpr int kEgm96Height = 5773;
+  if (header->above_egm96) info.vertical = vertical_reference(kEgm96Height);
+  if (header->on_wgs72) set_other_crs(info.georeference, "EPSG:4322");
   if (auto placed = place_raster(info); !placed) return placed.error();
   const std::uint64_t expected =
       header->data_offset + static_cast<std::uint64_t>(info.columns) * record_bytes(info);

@@ -47,6 +47,25 @@ TEST_CASE("the datum is what all sources say") {
   CHECK(vertical_datum_of(*pool_of(folder, {5773, 0}), {}, false)->vertical_crs.empty());
 }
 
+TEST_CASE("heights of one datum in metres and in feet go together") {
+  const TempDir folder;
+  const auto datum = vertical_datum_of(*pool_of(folder, {5703, 6360, 8228}), {}, false);
+  REQUIRE(datum.ok());
+  CHECK(datum->vertical_crs == "NAVD88 height");
+  CHECK(other_datum_of(*datum) == "NAVD88 height");
+}
+
+TEST_CASE("a pack's name of a datum has whole characters, and at most 39 bytes") {
+  const std::string name = "Altitude au-dessus de la mer \u00e0 Gen\u00e8ve \u00e9t\u00e9";
+  const std::string cut = other_datum_of({VerticalDatum::unknown, name});
+  CHECK(cut.size() <= 39);
+  CHECK(cut.size() >= 38);
+  CHECK(name.starts_with(cut));
+  CHECK((static_cast<unsigned char>(name[cut.size()]) & 0xC0) != 0x80);
+  CHECK(other_datum_of({VerticalDatum::egm96, "EGM96 height"}).empty());
+  CHECK(other_datum_of({}).empty());
+}
+
 TEST_CASE("sources of different datums are refused unless it is told what they are") {
   const TempDir folder;
   for (const std::vector<int>& mixed :

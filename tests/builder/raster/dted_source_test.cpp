@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstring>
 
 #include <catch2/catch.hpp>
 
@@ -47,6 +48,28 @@ TEST_CASE("DTED posts lie where the header says, at every latitude's spacing, be
     REQUIRE(source->read_heights({3, 2, 4, 3}, window).ok());
     CHECK(window[11] == static_cast<float>(recipe.height(6, 4)));
   }
+}
+
+TEST_CASE("DTED says by its identification what its heights and its places are measured from") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.dt0";
+  const auto with_datums = [&](const std::string& vertical, const std::string& horizontal) {
+    Bytes bytes = dted_bytes({});
+    const std::string datums = vertical + horizontal;
+    std::memcpy(bytes.data() + 80, "DSI", 3);
+    std::memcpy(bytes.data() + 80 + 141, datums.data(), datums.size());
+    write_bytes(path, bytes);
+    return opened(path)->info();
+  };
+  const RasterInfo egm96 = with_datums("E96", "WGS84");
+  REQUIRE(egm96.vertical);
+  CHECK(egm96.vertical->datum == VerticalDatum::egm96);
+  CHECK(egm96.georeference.crs == Georeference::Crs::geographic);
+  CHECK_FALSE(with_datums("MSL", "WGS84").vertical);
+  // Between the two datums longitudes are turned by 0.554 seconds of arc (DMA TR 8350.2-B, 1987).
+  const RasterInfo wgs72 = with_datums("MSL", "WGS72");
+  CHECK(wgs72.georeference.place_of(0, 0).lon - egm96.georeference.place_of(0, 0).lon ==
+        Approx(0.554 / 3600).margin(2e-6));
 }
 
 TEST_CASE("DTED heights in two's complement read as what they mean") {
