@@ -103,7 +103,7 @@ struct Terrain::State {
   State(std::shared_ptr<const PackReader> pack, const TerrainOptions& o, TileSource source)
       : options(o),
         contents(std::move(pack)),
-        occluder(contents.lowest_m()),
+        occluder(contents.lowest_m(), contents.pack().header().body.shape),
         tree(contents, occluder),
         pager(contents, tree, std::move(source), {o.cache_bytes, o.delivery_bytes, o.workers}) {
     list.lowest_m = contents.lowest_m();
@@ -194,7 +194,8 @@ std::size_t Terrain::State::count_failing(const TileCut& cover) const {
 void Terrain::State::look_ahead(std::span<const ViewState> views, double dt_s) {
   std::vector<SelectionView> there;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const double reach_m = 4 * tile_width_degrees(selection_views[i].eye_tile.level) * kMeridianDegree_m;
+    const double degree_m = views[i].ellipsoid.equator_degree_m();
+    const double reach_m = 4 * tile_width_degrees(selection_views[i].eye_tile.level) * degree_m;
     const ViewState ahead = eyes[i].motion.predict(views[i], dt_s, options.look_ahead_s, reach_m);
     if (updates_until_ahead > 0) continue;
     there.push_back(selection_view(ahead, contents, occluder, options.pattern, eyes[i].focus_ahead));
@@ -312,9 +313,11 @@ const RenderList& Terrain::update(const ViewState& view, double dt_s) {
   return update(std::span(&view, 1), dt_s);
 }
 
-const RenderList& Terrain::update(std::span<const ViewState> views, double dt_s) {
+const RenderList& Terrain::update(std::span<const ViewState> asked, double dt_s) {
   State& s = *state_;
-  if (const Status status = check(views, dt_s); !status) return s.refuse(status.error());
+  if (const Status status = check(asked, dt_s); !status) return s.refuse(status.error());
+  std::vector<ViewState> views(asked.begin(), asked.end());
+  for (ViewState& view : views) view.ellipsoid = s.contents.pack().header().body.shape;
   s.view_refused = false;
   s.retarget(views);          // 1. which tiles the views need
   s.look_ahead(views, dt_s);  // 2. which they may need next

@@ -16,6 +16,7 @@ struct GlTerrain::State {
   Surface surface;
   Terrain terrain;
   gl::Renderer renderer;
+  Body body;  ///< the pack's
   const SurfaceFrame* frame = nullptr;
   const RenderList* list = nullptr;
   ViewState view;
@@ -34,13 +35,14 @@ Result<GlTerrain> GlTerrain::create(std::shared_ptr<const PackReader> pack, cons
   Surface surface(header);
   Result<Terrain> terrain = Terrain::open(pack, options, surface.preparing(read_from(pack)));
   if (!terrain) return terrain.error();
-  return GlTerrain(std::make_unique<State>(
-      State{std::move(surface), std::move(*terrain), std::move(*renderer), nullptr, nullptr, {}}));
+  return GlTerrain(std::make_unique<State>(State{
+      std::move(surface), std::move(*terrain), std::move(*renderer), header.body, nullptr, nullptr, {}}));
 }
 
 const RenderList& GlTerrain::update(const ViewState& view, double dt_s, double tolerance_px) {
   State& s = *state_;
   s.view = view;
+  s.view.ellipsoid = s.body.shape;
   s.terrain.set_tolerance_px(tolerance_px);
   s.list = &s.terrain.update(view, dt_s);
   s.frame = &s.surface.frame(*s.list, {view, tolerance_px, dt_s});
@@ -59,7 +61,9 @@ GlCounts GlTerrain::draw(const GlLook& look, const GlTarget& target) {
 GlCounts GlTerrain::draw(const GlLook& look, const GlTarget& target, const glm::dmat4& projection) {
   State& s = *state_;
   if (!s.frame) return {};
-  return s.renderer.draw(*s.frame, s.frame->mesh, {s.view, projection, s.list->lowest_m}, look, target);
+  GlLook own = look;
+  own.is_earth = look.is_earth && s.body.is_earth();
+  return s.renderer.draw(*s.frame, s.frame->mesh, {s.view, projection, s.list->lowest_m}, own, target);
 }
 
 const Terrain& GlTerrain::terrain() const {

@@ -30,10 +30,11 @@ enum Location : GLint {
   kQuantum = 7,
   kHorizon = 8,
   kEyeLow = 9,
-  kLowest = 10
+  kLowest = 10,
+  kRadii = 11
 };
 constexpr double kFarthestDepth = 1e-30;  // of ground: none is so far that its own would be as small
-enum LookBits : GLuint { kLevelColours = 1, kFog = 2 };
+enum LookBits : GLuint { kLevelColours = 1, kFog = 2, kEarth = 4 };
 
 }  // namespace
 
@@ -65,13 +66,18 @@ void Renderer::State::set_uniforms(const Camera& camera, const GlLook& look) {
   glProgramUniformMatrix4fv(program, kClip, 1, GL_FALSE, glm::value_ptr(clip));
   glProgramUniform1ui(program, kCells, static_cast<GLuint>(tiles.cells_log2()));
   glProgramUniform1f(program, kQuantum, static_cast<float>(quantum_m));
-  const glm::vec4 horizon(horizon_plane(position));
+  const glm::vec4 horizon(horizon_plane(position, camera.view.ellipsoid));
   glProgramUniform4f(program, kHorizon, horizon.x, horizon.y, horizon.z, horizon.w);
   glProgramUniform1f(sky.name(), kLowest, static_cast<float>(std::min(camera.lowest_m, 0.0)));
+  const GLuint look_bits = (look.level_colours ? kLevelColours : 0u) |
+                           (look.fog && look.is_earth ? kFog : 0u) | (look.is_earth ? kEarth : 0u);
+  const auto a = static_cast<float>(camera.view.ellipsoid.semi_major_m);
+  const auto b = static_cast<float>(camera.view.ellipsoid.semi_minor_m);
   for (const GLuint each : {program, sky.name()}) {
+    glProgramUniform3f(each, kRadii, a, a, b);
     const glm::vec3 sun(look.to_sun);
     glProgramUniform1f(each, kEyeHeight, static_cast<float>(camera.view.height_m));
-    glProgramUniform1ui(each, kLook, (look.level_colours ? kLevelColours : 0u) | (look.fog ? kFog : 0u));
+    glProgramUniform1ui(each, kLook, look_bits);
     glProgramUniform3f(each, kEyeFloat, eye_high.x, eye_high.y, eye_high.z);
     glProgramUniform3f(each, kSun, sun.x, sun.y, sun.z);
   }

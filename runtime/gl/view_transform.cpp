@@ -1,5 +1,6 @@
 #include "runtime/gl/view_transform.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -19,13 +20,15 @@ glm::dmat4 clip_from_eye(const CameraFrame& camera, const ViewState& view) {
   return glm::transpose(rows);
 }
 
-glm::dvec4 horizon_plane(const glm::dvec3& eye) {
-  constexpr double kDeepest = 12000, kHighest = 10000;  // no ground is lower, higher
-  const glm::dvec3 radii = glm::dvec3(kEquatorialRadius, kEquatorialRadius, kPolarRadius) - kDeepest;
+glm::dvec4 horizon_plane(const glm::dvec3& eye, const Ellipsoid& ellipsoid) {
+  // No ground is lower, or higher: Olympus Mons has 21 km.
+  constexpr double kDeepest = 12000, kHighest = 25000;
+  const double a = ellipsoid.semi_major_m, b = ellipsoid.semi_minor_m;
+  const glm::dvec3 radii = glm::dvec3(a, a, b) - std::min(kDeepest, b / 2);
   const glm::dvec3 scaled = eye / radii;
   const double m = glm::length(scaled);
   if (m <= 1) return {0, 0, 0, 1};
-  const double r = (kPolarRadius + kHighest) / radii.z;
+  const double r = (b + kHighest) / radii.z;
   const double seen = 1 / m - std::sqrt(1 - 1 / (m * m)) * std::sqrt(r * r - 1);
   return {scaled / m / radii, m - seen};
 }

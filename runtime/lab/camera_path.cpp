@@ -31,10 +31,11 @@ struct Course {
   }
 };
 
-LonLat moved(LonLat from, double heading_deg, double metres) {
+LonLat moved(const Course& course, LonLat from, double heading_deg, double metres) {
+  const double degree_m = course.terrain.pack().header().body.shape.equator_degree_m();
   const double heading = glm::radians(heading_deg), cosine = std::max(std::cos(glm::radians(from.lat)), 0.01);
-  return {from.lon + std::sin(heading) * metres / (kMeridianDegree_m * cosine),
-          from.lat + std::cos(heading) * metres / kMeridianDegree_m};
+  return {from.lon + std::sin(heading) * metres / (degree_m * cosine),
+          from.lat + std::cos(heading) * metres / degree_m};
 }
 
 ViewState looking(LonLat eye, double height_m, double heading_deg, double pitch_deg) {
@@ -55,7 +56,7 @@ Views hover(const Course& course) {
   const auto height = course.above_ground(course.corner, 300);
   if (!height) return height.error();
   for (std::size_t i = 0; i < course.frames; ++i) {
-    const LonLat eye = moved(moved(course.corner, 90, shake()), 0, shake());
+    const LonLat eye = moved(course, moved(course, course.corner, 90, shake()), 0, shake());
     views.push_back(looking(eye, *height + shake(), 45, -10));
   }
   return views;
@@ -65,7 +66,7 @@ Views hover(const Course& course) {
 Views follow(const Course& course, double metres, double above_m, double heading_deg, double pitch_deg) {
   std::vector<ViewState> views;
   for (std::size_t i = 0; i < course.frames; ++i) {
-    const LonLat eye = moved(course.start, heading_deg, metres * (course.part(i) - 0.5));
+    const LonLat eye = moved(course, course.start, heading_deg, metres * (course.part(i) - 0.5));
     const auto height = course.above_ground(eye, above_m);
     if (!height) return height.error();
     views.push_back(looking(eye, *height, heading_deg, pitch_deg));

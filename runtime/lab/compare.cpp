@@ -69,6 +69,7 @@ class Race {
     terrain_.forget_eye();
     for (std::size_t frame = 0; frame < path_.views.size(); ++frame) {
       ViewState view = path_.views[frame];
+      view.ellipsoid = terrain_.pack().header().body.shape;
       view.viewport_width_px = spec_.width_px;
       view.viewport_height_px = spec_.height_px;
       auto finest = FinestView::of(terrain_, view, spec_.threads);

@@ -37,8 +37,8 @@ class ViewSamples {
       : terrain_(terrain),
         view_(view),
         screen_(view),
-        volume_(view, Occluder(terrain.lowest_m())),
-        horizon_(screen_.camera().position, Occluder(terrain.lowest_m())),
+        volume_(view, Occluder(terrain.lowest_m(), view.ellipsoid)),
+        horizon_(screen_.camera().position, Occluder(terrain.lowest_m(), view.ellipsoid)),
         middle_(static_cast<std::int64_t>(std::llround(view.eye.lon + 180)) << kLatticeLevel) {}
 
   Status collect() {
@@ -62,7 +62,7 @@ class ViewSamples {
   glm::dvec3 position_of(const GridPlace& place, double height_m) const {
     LatticePoint point = point_of(place);
     point.y = std::clamp<std::int64_t>(point.y, 0, kLatticePoleToPole);
-    return screen_.camera().in_camera(to_geocentric(point, height_m));
+    return screen_.camera().in_camera(to_geocentric(point, height_m, view_.ellipsoid));
   }
 
  private:
@@ -76,7 +76,7 @@ class ViewSamples {
     const LatticePoint corner = south_west_of(area.area), origin = south_west_of(area.source.id);
     const auto column = static_cast<int>((corner.x - origin.x) / spacing);
     const auto row = static_cast<int>((corner.y - origin.y) / spacing);
-    const GridPositions positions(corner, spacing, cells + 1);
+    const GridPositions positions(corner, spacing, cells + 1, view_.ellipsoid);
     for (int r = 0; r <= cells; ++r) {
       for (int c = 0; c <= cells; ++c) {
         if (heights.is_void(column + c, row + r)) continue;

@@ -30,7 +30,7 @@ void drop_unused(Kept& kept) {
 
 LabTerrain::LabTerrain(std::shared_ptr<const PackReader> pack)
     : contents_(std::make_unique<TileAvailability>(std::move(pack))),
-      occluder_(contents_->lowest_m()),
+      occluder_(contents_->lowest_m(), contents_->pack().header().body.shape),
       tree_(*contents_, occluder_) {
   const auto range = this->pack().levels(Layer::heights);
   if (!range) return;
@@ -148,7 +148,8 @@ Result<LodTile> LabTerrain::load(const TileId& area, const IndexEntry& source) {
 }
 
 Result<LodScene> LabTerrain::scene_for(const ViewState& view, const SceneRules& rules) {
-  LodScene scene{pack().header().tile_size, pack().header().quantum_m, lowest_m(), {}};
+  LodScene scene{
+      pack().header().tile_size, pack().header().quantum_m, lowest_m(), pack().header().body.shape, {}};
   for (const auto& [area, source] : areas_for(view, rules)) {
     if (area.level - source.id.level > std::ilogb(scene.tile_size - 1)) {
       return bad_data(pack().path().string() + ": " + to_string(area) +

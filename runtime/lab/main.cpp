@@ -248,13 +248,15 @@ Status run_mesh(const Options& o) {
   view->fov_y_deg = o.fov_deg;
   auto terrain = open_terrain(o);
   if (!terrain) return terrain.error();
+  view->ellipsoid = terrain->pack().header().body.shape;
   SceneRules rules = rules_of(o);
   rules.refine_px *= o.tolerance_px;
   const auto scene = terrain->scene_for(*view, rules);
   if (!scene) return scene.error();
   const auto lod = method->create(o.lod);
   lod->prepare(*scene);
-  return write_mesh(lod->build(*scene, {*view, o.tolerance_px, o.cull}), o.mesh, o.ecef);
+  return write_mesh(lod->build(*scene, {*view, o.tolerance_px, o.cull}), o.mesh,
+                    o.ecef ? std::optional(view->ellipsoid) : std::nullopt);
 }
 
 int report(const Status& status) {

@@ -42,19 +42,18 @@ WholeMesh joined(const LodMesh& mesh) {
   return whole;
 }
 
-void append_vertex(const LodVertex& v, bool ecef, std::string& out) {
+void append_vertex(const LodVertex& v, const std::optional<Ellipsoid>& ecef, std::string& out) {
   const LonLat place = place_of(v.point);
   const glm::dvec3 p =
-      ecef ? to_geocentric(v.point, v.height_m) : glm::dvec3(place.lon, place.lat, v.height_m);
+      ecef ? to_geocentric(v.point, v.height_m, *ecef) : glm::dvec3(place.lon, place.lat, v.height_m);
   append(p.x, out);
   append(p.y, out += ' ');
   append(p.z, out += ' ');
   out += '\n';
 }
 
-std::string obj_text(const WholeMesh& mesh, bool ecef) {
-  std::string out =
-      ecef ? "# geocentric metres, WGS84\n" : "# longitude, latitude in degrees, height in metres\n";
+std::string obj_text(const WholeMesh& mesh, const std::optional<Ellipsoid>& ecef) {
+  std::string out = ecef ? "# geocentric metres\n" : "# longitude, latitude in degrees, height in metres\n";
   for (const LodVertex& v : mesh.vertices) append_vertex(v, ecef, out += "v ");
   for (const LodTriangle& t : mesh.triangles) {
     out += 'f';
@@ -64,9 +63,9 @@ std::string obj_text(const WholeMesh& mesh, bool ecef) {
   return out;
 }
 
-std::string ply_text(const WholeMesh& mesh, bool ecef) {
+std::string ply_text(const WholeMesh& mesh, const std::optional<Ellipsoid>& ecef) {
   std::string out = "ply\nformat ascii 1.0\ncomment ";
-  out += ecef ? "geocentric metres, WGS84" : "x longitude, y latitude in degrees, z height in metres";
+  out += ecef ? "geocentric metres" : "x longitude, y latitude in degrees, z height in metres";
   out += "\nelement vertex " + std::to_string(mesh.vertices.size()) +
          "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
          std::to_string(mesh.triangles.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
@@ -81,7 +80,8 @@ std::string ply_text(const WholeMesh& mesh, bool ecef) {
 
 }  // namespace
 
-Status write_mesh(const LodMesh& mesh, const std::filesystem::path& path, bool ecef) {
+Status write_mesh(const LodMesh& mesh, const std::filesystem::path& path,
+                  const std::optional<Ellipsoid>& ecef) {
   const std::string ending = path.extension().string();
   if (ending != ".obj" && ending != ".ply") {
     return usage_error(path.string() + ": expected a name ending in .obj or .ply, found \"" + ending + "\"");

@@ -2,9 +2,9 @@
 
 #include <map>
 
+#include "cairn/loaded_tile.h"
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/lod/mesh/tile_window.h"
-#include "cairn/loaded_tile.h"
 #include "runtime/view/view_frustum.h"
 
 namespace cairn {
@@ -25,7 +25,7 @@ bool is_useful(const PackReader& pack, const LodTile& tile, const Screen& screen
 
 SceneUse use_of(const LabTerrain& terrain, const LodScene& scene, const ViewState& view) {
   const Screen screen(view);
-  const ViewFrustum volume(view, Occluder(terrain.lowest_m()));
+  const ViewFrustum volume(view, Occluder(terrain.lowest_m(), view.ellipsoid));
   SceneUse use;
   std::map<TileId, bool> useful;
   for (const LodTile& tile : scene.tiles) {

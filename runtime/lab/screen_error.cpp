@@ -73,7 +73,7 @@ PlacedMesh place(const LodScene& scene, LodMesh mesh, int threads) {
   for (const LodTileMesh& tile : mesh.tiles) placed.areas.push_back(scene.tiles[tile.tile].area);
   for_each_index(mesh.tiles.size(), threads, [&](std::size_t i) {
     for (const LodVertex& v : mesh.tiles[i].vertices) {
-      placed.positions[i].push_back(to_geocentric(v.point, v.height_m));
+      placed.positions[i].push_back(to_geocentric(v.point, v.height_m, scene.ellipsoid));
     }
   });
   placed.mesh = std::move(mesh);
@@ -102,7 +102,7 @@ struct FinestView::Tally {
 
 Result<FinestView> FinestView::of(LabTerrain& terrain, const ViewState& view, int threads) {
   FinestView finest(view, threads);
-  const Occluder occluder(terrain.lowest_m());
+  const Occluder occluder(terrain.lowest_m(), view.ellipsoid);
   const ViewFrustum volume(view, occluder);
   std::vector<std::shared_ptr<const HeightTile>> heights;
   std::vector<TileId> sources;
@@ -135,7 +135,7 @@ bool FinestView::fill(Leaf& leaf, const HeightTile& heights, const TileId& sourc
   const LatticePoint corner = south_west_of(source);
   const auto column = static_cast<int>((leaf.corner.x - corner.x) / leaf.spacing);
   const auto row = static_cast<int>((leaf.corner.y - corner.y) / leaf.spacing);
-  const GridPositions positions(leaf.corner, leaf.spacing, leaf.side);
+  const GridPositions positions(leaf.corner, leaf.spacing, leaf.side, view_.ellipsoid);
   const Horizon horizon(screen_.camera().position, occluder);
   const double half_width = view_.viewport_width_px / 2.0, half_height = view_.viewport_height_px / 2.0;
   leaf.samples.assign(static_cast<std::size_t>(leaf.side) * static_cast<std::size_t>(leaf.side),

@@ -137,7 +137,7 @@ class VertexRequests {
   bool is_small(const ScreenErrorBudget::ProjectedScale& scale, int k) const {
     const double tolerance_px = budget_.tolerance_px();
     if (tolerance_px > kMaxSkipTolerance_px) return false;
-    const double side_m = (1 << k) * errors_.cell_radians() * kEquatorialRadius;
+    const double side_m = (1 << k) * errors_.cell_m();
     return side_m * scale.any_px * tolerance_px * tolerance_px <= kSkipTestBelow * scale.depth_m;
   }
 

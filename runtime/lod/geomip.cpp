@@ -35,7 +35,7 @@ class GeoMip : public LodMethod {
     const Screen screen(view.view);
     return mesh_of_patches(scene, view, patches_, [&](const LodTile& tile, const Patch& patch) {
       const double spacing_m =
-          tile_width_degrees(tile.source.level) / (scene.tile_size - 1) * kMeridianDegree_m;
+          tile_width_degrees(tile.source.level) / (scene.tile_size - 1) * scene.ellipsoid.equator_degree_m();
       const double min_m = spacing_m * screen.pixels_per_radian() / (kPixels * view.tolerance_px);
       const double distance_m = glm::distance(screen.camera().position, patch.volume.centre);
       return step_at(distance_m, min_m, patch.cells);

@@ -134,7 +134,7 @@ class Criterion {
   Criterion(const LodScene& scene, const LodView& view, const LodOptions& options)
       : screen_(view.view),
         frame_(local_frame(view.view.eye)),
-        frustum_(view.view, Occluder(scene.lowest_m)),
+        frustum_(view.view, Occluder(scene.lowest_m, scene.ellipsoid)),
         cull_(view.cull),
         rough_(options.roughness) {
     detail_ = screen_.pixels_per_radian() / ((rough_ ? kRoughEdge_px : kEdge_px) * view.tolerance_px);
@@ -341,7 +341,8 @@ class Quadtree : public LodMethod {
  private:
   Prepared make(const LodScene& scene, const LodTile& tile) const {
     const TileWindow window(scene, tile);
-    return {tile.source, GridPositions(window.point(0, 0), window.spacing(), window.cells() + 1),
+    return {tile.source,
+            GridPositions(window.point(0, 0), window.spacing(), window.cells() + 1, scene.ellipsoid),
             SplitMatrix(window.cells() + 1),
             options_.roughness ? Roughness(window).all(scene.quantum_m) : std::vector<float>()};
   }
@@ -350,8 +351,8 @@ class Quadtree : public LodMethod {
     const TileWindow& window = split.window(index);
     if (window.cells() < 2) return;
     const Prepared& tile = prepared_.at(scene.tiles[index].area);
-    const double sample_m =
-        tile_width_degrees(scene.tiles[index].source.level) / (scene.tile_size - 1) * kMeridianDegree_m;
+    const double sample_m = tile_width_degrees(scene.tiles[index].source.level) / (scene.tile_size - 1) *
+                            scene.ellipsoid.equator_degree_m();
     const double relief_m = scene.tiles[index].max_m - scene.tiles[index].min_m;
     const auto visit = [&](auto self, const Node& n) -> void {
       const bool root = 2 * n.half == window.cells();

@@ -67,7 +67,8 @@ RqtBlock block_of(const LodScene& scene, const LodTile& tile) {
   if (tile.flags) {
     if (auto block = decode_rqt_block(*tile.flags, scene.tile_size, rising)) return std::move(*block);
   }
-  const double spacing_m = kEquatorDegree_m * tile_width_degrees(tile.source.level) / (scene.tile_size - 1);
+  const double spacing_m =
+      scene.ellipsoid.equator_degree_m() * tile_width_degrees(tile.source.level) / (scene.tile_size - 1);
   const auto tolerance_m = static_cast<float>(spacing_m * kSpacingToTolerance);
   return {tolerance_m, kStepsWithoutFlags,
           triangulate(*tile.heights, scene.quantum_m, tolerance_m, kStepsWithoutFlags, rising)};
@@ -179,7 +180,7 @@ class Rqt : public LodMethod {
   static Triangulated load(const LodScene& scene, const LodTile& tile) {
     const double cell =
         tile_width_degrees(tile.source.level) / (scene.tile_size - 1) * std::numbers::pi / 180;
-    return {block_of(scene, tile), sagitta_of_cell_m(cell, tile.max_m)};
+    return {block_of(scene, tile), sagitta_of_cell_m(cell, tile.max_m, scene.ellipsoid)};
   }
 
   void prepare_twists(const LodScene& scene) {
@@ -199,7 +200,7 @@ class Rqt : public LodMethod {
 
   void choose(const LodScene& scene, const LodView& view, const std::vector<std::size_t>& drawn) {
     const ScreenErrorBudget budget(view.view, view.tolerance_px, scene.lowest_m);
-    const ViewFrustum frustum(view.view, Occluder(scene.lowest_m));
+    const ViewFrustum frustum(view.view, Occluder(scene.lowest_m, scene.ellipsoid));
     const glm::dvec3 eye = camera_frame(view.view).position;
     forest_.begin();
     for (const std::size_t i : drawn) {

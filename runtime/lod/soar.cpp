@@ -44,7 +44,7 @@ namespace {
 struct NestedSpheres {
   NestedSpheres(const LodScene& scene, const LodTile& tile, bool between_samples)
       : positions(south_west_of(tile.source), lattice_width(tile.source.level) / (scene.tile_size - 1),
-                  scene.tile_size),
+                  scene.tile_size, scene.ellipsoid),
         errors_m(vertex_errors_m(*tile.heights, tile.source, scene.quantum_m, between_samples)) {
     nest(scene, tile);
   }
@@ -62,8 +62,8 @@ struct NestedSpheres {
   void nest(const LodScene& scene, const LodTile& tile) {
     const HeightTile& heights = *tile.heights;
     const double cell = tile_width_degrees(tile.source.level) / (heights.size - 1) * std::numbers::pi / 180;
-    const double cell_m = cell * (kEquatorialRadius + std::max(0.0, tile.max_m));
-    add_sagittas(heights.size, cell, tile.max_m);
+    const double cell_m = cell * (scene.ellipsoid.semi_major_m + std::max(0.0, tile.max_m));
+    add_sagittas(heights.size, cell, tile.max_m, scene.ellipsoid);
     // Places of a triangle between samples are at most one cell's diagonal from a sample.
     radii_m.assign(errors_m.size(), static_cast<float>(cell_m * std::numbers::sqrt2));
     std::vector<std::size_t> order;
@@ -89,8 +89,8 @@ struct NestedSpheres {
 
   // Triangles bisected at a middle have their hypotenuse along the grid, those at a centre a diagonal one:
   // see sagitta_of_cell_m().
-  void add_sagittas(int size, double cell, double max_m) {
-    const double sagitta_m = sagitta_of_cell_m(cell, max_m);
+  void add_sagittas(int size, double cell, double max_m, const Ellipsoid& ellipsoid) {
+    const double sagitta_m = sagitta_of_cell_m(cell, max_m, ellipsoid);
     for (int r = 0; r < size; ++r) {
       for (int c = 0; c < size; ++c) {
         const int h = (c | r) & -(c | r);

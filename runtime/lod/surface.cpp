@@ -27,7 +27,8 @@ namespace {
 
 struct PreparedSurface {
   PreparedSurface(const LodScene& scene, const LodTile& tile, bool between_samples)
-      : surface(prepare_surface_tile(tile.source, tile.heights, scene.quantum_m, between_samples)) {}
+      : surface(prepare_surface_tile(tile.source, tile.heights, scene.quantum_m, between_samples,
+                                     scene.ellipsoid)) {}
   std::uint64_t bytes() const { return surface.bytes(); }
 
   SurfaceTile surface;

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 #include <queue>
 #include <unordered_map>
 #include <unordered_set>
 
-#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {
@@ -126,7 +124,6 @@ class Selector {
       : tree_(tree),
         views_(views),
         rules_(rules),
-        tile_size_(tree.contents().pack().header().tile_size),
         held_heights_(selected_in(held, Layer::heights)),
         held_imagery_(selected_in(held, Layer::imagery)),
         heights_(tree, views, Layer::heights) {
@@ -207,10 +204,11 @@ class Selector {
   /// Without heights, nothing is known of what there is below but how fine it may be.
   double height_error_m(const CutNode& shown) const {
     return shown.heights ? static_cast<double>(shown.heights->geometric_error_m)
-                         : sample_width_m(shown.area.level, tile_size_);
+                         : sample_width_m(shown.area.level, tree_.contents().pack().header());
   }
   double texel_m(const CutNode& shown) const {
-    return sample_width_m(shown.imagery ? shown.imagery->id.level : shown.area.level, tile_size_);
+    return sample_width_m(shown.imagery ? shown.imagery->id.level : shown.area.level,
+                          tree_.contents().pack().header());
   }
 
   /// Selects the area, and what has to be selected with it; false, and nothing is changed, where that does
@@ -286,7 +284,6 @@ class Selector {
   const TileTree& tree_;
   const std::span<const SelectionView> views_;
   const SelectionRules& rules_;
-  const int tile_size_;
   const std::unordered_set<TileId> held_heights_;
   const std::unordered_set<TileId> held_imagery_;
   LayerSelection heights_;
@@ -314,9 +311,8 @@ TileSelection select_tiles(const TileTree& tree, std::span<const SelectionView> 
   return Selector(tree, views, rules, held).select();
 }
 
-double sample_width_m(int level, int tile_size) {
-  const double degree_m = kEquatorialRadius * std::numbers::pi / 180;
-  return degree_m * tile_width_degrees(level) / (tile_size - 1);
+double sample_width_m(int level, const PackHeader& pack) {
+  return pack.body.shape.equator_degree_m() * tile_width_degrees(level) / (pack.tile_size - 1);
 }
 
 Shortfall shortfall_of(const TileTree& tree, const CutNode& shown) {
@@ -326,7 +322,7 @@ Shortfall shortfall_of(const TileTree& tree, const CutNode& shown) {
     shortfall.heights_m = static_cast<double>(shown.heights->geometric_error_m);
   }
   if (shown.imagery && (node.has_finer_imagery || node.best.imagery != shown.imagery)) {
-    shortfall.texel_m = sample_width_m(shown.imagery->id.level, tree.contents().pack().header().tile_size);
+    shortfall.texel_m = sample_width_m(shown.imagery->id.level, tree.contents().pack().header());
   }
   return shortfall;
 }

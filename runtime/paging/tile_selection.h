@@ -70,7 +70,7 @@ TileSelection select_tiles(const TileTree& tree, std::span<const SelectionView> 
                            const SelectionRules& rules, const TileCut& held);
 
 /// The width of a sample or a texel of a level, in metres along the meridian.
-double sample_width_m(int level, int tile_size);
+double sample_width_m(int level, const PackHeader& pack);
 
 /// What a cut lacks, against the finest data that the pack has there.
 struct Shortfall {

@@ -4,8 +4,10 @@
 
 namespace cairn {
 
-EnuFrame::EnuFrame(const Geodetic& origin)
-    : origin_(cairn::to_geocentric(origin.place, origin.height_m)), axes_(local_frame(origin.place)) {}
+EnuFrame::EnuFrame(const Geodetic& origin, const Ellipsoid& ellipsoid)
+    : ellipsoid_(ellipsoid),
+      origin_(cairn::to_geocentric(origin.place, origin.height_m, ellipsoid)),
+      axes_(local_frame(origin.place)) {}
 
 glm::dvec3 EnuFrame::to_geocentric(const glm::dvec3& enu) const {
   return origin_ + axes_.east * enu.x + axes_.north * enu.y + axes_.up * enu.z;
@@ -17,11 +19,11 @@ glm::dvec3 EnuFrame::from_geocentric(const glm::dvec3& geocentric) const {
 }
 
 Geodetic EnuFrame::to_geodetic(const glm::dvec3& enu) const {
-  return cairn::to_geodetic(to_geocentric(enu));
+  return cairn::to_geodetic(to_geocentric(enu), ellipsoid_);
 }
 
 glm::dvec3 EnuFrame::from_geodetic(const Geodetic& at) const {
-  return from_geocentric(cairn::to_geocentric(at.place, at.height_m));
+  return from_geocentric(cairn::to_geocentric(at.place, at.height_m, ellipsoid_));
 }
 
 glm::dmat4 EnuFrame::geocentric_from_enu() const {

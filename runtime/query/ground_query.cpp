@@ -16,10 +16,9 @@ namespace cairn {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kLeastRadius_m = 6335439;  // of curvature, WGS84: along the meridian at the equator
-constexpr double kWidening = 1.02;          // geocentric angles to geodetic ones, with room for rounding
-constexpr double kPolar_deg = 89.9;         // from here on an area goes around the pole
-constexpr double kShortest_m = 1e-3;        // a piece that crosses a cell's edge is not split further
+constexpr double kWidening = 1.02;    // geocentric angles to geodetic ones, with room for rounding
+constexpr double kPolar_deg = 89.9;   // from here on an area goes around the pole
+constexpr double kShortest_m = 1e-3;  // a piece that crosses a cell's edge is not split further
 
 /// A straight line in space.
 struct Line {
@@ -90,6 +89,8 @@ struct GroundQuery::State {
   Result<GroundHit> hit_at(const Line& line, double t_m);
   Status measure_clearance(const Line& line, double length_m, SightLine& sight);
 
+  const Ellipsoid& ellipsoid() const { return tiles.pack().header().body.shape; }
+
   GroundTiles tiles;
 };
 
@@ -97,11 +98,12 @@ struct GroundQuery::State {
 /// there is no ground. With `errors`, above the ground and its errors.
 Result<double> GroundQuery::State::least_clearance_m(const Line& line, const Piece& piece, bool errors) {
   const glm::dvec3 middle = line.at(piece.middle_m());
-  const Geodetic at = to_geodetic(middle);
+  const Geodetic at = to_geodetic(middle, ellipsoid());
   // The height is a convex function along the line, so that it is nowhere below its tangent.
   const double steepness = std::abs(glm::dot(local_frame(at.place).up, line.direction));
   const double least_height_m = at.height_m - steepness * piece.half_m();
-  const double radius_m = std::min(glm::length(middle), kLeastRadius_m + std::min(at.height_m, 0.0));
+  const double radius_m =
+      std::min(glm::length(middle), least_curvature_m(ellipsoid()) + std::min(at.height_m, 0.0));
   double lat_reach = 180, lon_reach = 360;
   if (piece.half_m() < radius_m / 4) {
     lat_reach = glm::degrees(std::asin(piece.half_m() / radius_m)) * kWidening;
@@ -115,7 +117,7 @@ Result<double> GroundQuery::State::least_clearance_m(const Line& line, const Pie
 
 Result<Probe> GroundQuery::State::probe(const Line& line, double t_m) {
   Probe probe;
-  probe.at = to_geodetic(line.at(t_m));
+  probe.at = to_geodetic(line.at(t_m), ellipsoid());
   const Result<const GroundTile*> tile = tiles.at(probe.at.place);
   if (!tile) return tile.error();
   if (!*tile) return probe;
@@ -131,7 +133,7 @@ double GroundQuery::State::cell_width_m(LonLat place) const {
   const auto levels = tiles.pack().levels(Layer::heights);
   const double degrees = tile_width_degrees(levels->finest) / (tiles.pack().header().tile_size - 1);
   const double narrowed = std::cos(glm::radians(std::min(std::abs(place.lat), kPolar_deg)));
-  return glm::radians(degrees) * kLeastRadius_m * narrowed;
+  return glm::radians(degrees) * least_curvature_m(ellipsoid()) * narrowed;
 }
 
 /// The first distance at which the line is not above the ground.
@@ -144,7 +146,7 @@ Result<std::optional<double>> GroundQuery::State::first_meeting(const Line& line
     const Result<double> clearance_m = least_clearance_m(line, piece, false);
     if (!clearance_m) return clearance_m.error();
     if (*clearance_m > 0) continue;
-    const Geodetic middle = to_geodetic(line.at(piece.middle_m()));
+    const Geodetic middle = to_geodetic(line.at(piece.middle_m()), ellipsoid());
     if (piece.half_m() <= cell_width_m(middle.place)) {
       const Result<Probe> first = probe(line, piece.from_m), last = probe(line, piece.to_m);
       if (!first) return first.error();
@@ -202,7 +204,7 @@ Result<GroundHit> GroundQuery::State::hit_at(const Line& line, double t_m) {
   GroundHit hit;
   hit.distance_m = t_m;
   hit.point = line.at(t_m);
-  hit.at = to_geodetic(hit.point);
+  hit.at = to_geodetic(hit.point, ellipsoid());
   const Result<const GroundTile*> tile = tiles.at(hit.at.place);
   if (!tile) return tile.error();
   hit.normal = local_frame(hit.at.place).up;
@@ -295,10 +297,10 @@ Result<std::optional<GroundHit>> GroundQuery::ray(const glm::dvec3& origin, cons
 
 Result<SightLine> GroundQuery::line_of_sight(const Geodetic& from, const Geodetic& to) {
   if (!is_place(from) || !is_place(to)) {
-    return usage_error("line of sight: expected two finite places on Earth, found others");
+    return usage_error("line of sight: expected two finite places, found others");
   }
-  const glm::dvec3 begin = to_geocentric(from.place, from.height_m);
-  const glm::dvec3 way = to_geocentric(to.place, to.height_m) - begin;
+  const glm::dvec3 begin = to_geocentric(from.place, from.height_m, state_->ellipsoid());
+  const glm::dvec3 way = to_geocentric(to.place, to.height_m, state_->ellipsoid()) - begin;
   const double length_m = glm::length(way);
   const Line line{begin, length_m > 0 ? way / length_m : local_frame(from.place).up};
   SightLine sight;
@@ -317,7 +319,7 @@ Result<SightLine> GroundQuery::line_of_sight(const Geodetic& from, const Geodeti
 Result<std::optional<glm::dvec3>> GroundQuery::normal(LonLat place) {
   using Answer = std::optional<glm::dvec3>;
   if (!std::isfinite(place.lon) || !(std::abs(place.lat) <= 90)) {
-    return usage_error("normal: expected a finite place on Earth, found another");
+    return usage_error("normal: expected a finite place, found another");
   }
   const Result<const GroundTile*> tile = state_->tiles.at(place);
   if (!tile) return tile.error();

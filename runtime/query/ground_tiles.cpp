@@ -49,8 +49,8 @@ double highest_m_of(const PackReader& pack) {
 
 }  // namespace
 
-GroundTile::GroundTile(const IndexEntry& entry, HeightTile tile, double quantum_m)
-    : entry_(entry), tile_(std::move(tile)), quantum_m_(quantum_m) {
+GroundTile::GroundTile(const IndexEntry& entry, HeightTile tile, const PackHeader& pack)
+    : entry_(entry), tile_(std::move(tile)), quantum_m_(pack.quantum_m), ellipsoid_(pack.body.shape) {
   Maxima cells{tile_.size - 1, {}};
   cells.highest.reserve(index_of(0, cells.side, cells.side));
   for (int row = 0; row < cells.side; ++row) {
@@ -117,8 +117,9 @@ std::optional<glm::dvec3> GroundTile::normal(LonLat place) const {
   for (int corner = 0; corner < 4; ++corner) {
     const int column = at.cell_column + (corner & 1), row = at.cell_row + (corner >> 1);
     if (tile_.is_void(column, row)) return std::nullopt;
-    corners[static_cast<std::size_t>(corner)] = to_geocentric(
-        {b.west + column * cell_degrees, b.south + row * cell_degrees}, tile_.at(column, row) * quantum_m_);
+    corners[static_cast<std::size_t>(corner)] =
+        to_geocentric({b.west + column * cell_degrees, b.south + row * cell_degrees},
+                      tile_.at(column, row) * quantum_m_, ellipsoid_);
   }
   const double u = at.column - at.cell_column, v = at.row - at.cell_row;
   const glm::dvec3 east = (corners[1] - corners[0]) * (1 - v) + (corners[3] - corners[2]) * v;
@@ -160,7 +161,7 @@ Result<const GroundTile*> GroundTiles::tile(const IndexEntry& entry) {
   Result<HeightTile> read = pack_->read_height_tile(entry);
   if (!read) return read.error();
   if (tiles_.size() == most_tiles_) tiles_.pop_back();
-  tiles_.emplace_front(entry, std::move(*read), pack_->header().quantum_m);
+  tiles_.emplace_front(entry, std::move(*read), pack_->header());
   return &tiles_.front();
 }
 

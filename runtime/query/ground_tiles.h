@@ -24,7 +24,8 @@ struct CellRange {
 /// A decoded tile with the highest samples of its cells, of 2×2 cells, of 4×4 and so on.
 class GroundTile {
  public:
-  GroundTile(const IndexEntry& entry, HeightTile tile, double quantum_m);
+  /// `pack`: the header of the pack that the tile is of.
+  GroundTile(const IndexEntry& entry, HeightTile tile, const PackHeader& pack);
 
   const IndexEntry& entry() const { return entry_; }
   /// A place's position in sample intervals from the south-west corner. REQUIRES: the tile holds the place.
@@ -54,6 +55,7 @@ class GroundTile {
   IndexEntry entry_;
   HeightTile tile_;
   double quantum_m_;
+  Ellipsoid ellipsoid_;
   std::vector<Maxima> maxima_;  // of cells, then of 2×2 of the ones before
 };
 

@@ -9,7 +9,8 @@
 namespace cairn {
 
 double level_for_pixel_size(const ViewState& view, double distance_m, int tile_size) {
-  return std::log2(kEquatorDegree_m / (tile_size - 1) / pixel_footprint_m(view, std::max(distance_m, 1.0)));
+  return std::log2(view.ellipsoid.equator_degree_m() / (tile_size - 1) /
+                   pixel_footprint_m(view, std::max(distance_m, 1.0)));
 }
 
 FocusTile::FocusTile(double tile_margin, double level_margin)

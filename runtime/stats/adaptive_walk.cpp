@@ -13,9 +13,10 @@ namespace {
 ViewState view_over(const TileId& eye, const Move& move, const TileAvailability& contents) {
   const GeoBounds b = tile_bounds(eye);
   ViewState view;
+  view.ellipsoid = contents.pack().header().body.shape;
   view.eye = {b.west + b.width() / 2, b.south + b.height() / 2};
   const double pixel = pixel_footprint_m(view, 1);
-  const double above_m = sample_width_m(eye.level, contents.pack().header().tile_size) / pixel;
+  const double above_m = sample_width_m(eye.level, contents.pack().header()) / pixel;
   view.height_m = contents.ceiling_m(view.eye) + above_m;
   view.heading_deg = std::atan2(move.dx, move.dy) * 180 / std::numbers::pi;
   view.pitch_deg = -10;
@@ -37,7 +38,7 @@ std::vector<TileId> counted(const TileCut& cut, int coarsest) {
 AdaptiveWalk walk_adaptively(const AdaptiveSpec& spec, std::span<const Move> walk,
                              const std::shared_ptr<const PackReader>& pack) {
   const TileAvailability contents(pack);
-  const Occluder occluder(contents.lowest_m());
+  const Occluder occluder(contents.lowest_m(), pack->header().body.shape);
   const TileTree tree(contents, occluder);
   FocusTile focus(FocusTile::kTileMargin, FocusTile::kLevelMargin);
   SelectionRules rules{kTileShare * spec.tolerance_px, std::numeric_limits<double>::infinity(),

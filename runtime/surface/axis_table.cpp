@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <GeographicLib/Constants.hpp>
 #include <GeographicLib/Math.hpp>
 
 #include "runtime/view/sample_lattice.h"
@@ -17,9 +16,9 @@ ColumnEntry column_entry(std::int64_t x) {
   return entry;
 }
 
-RowEntry row_entry(std::int64_t y) {
-  const double a = GeographicLib::Constants::WGS84_a();
-  const double f = GeographicLib::Constants::WGS84_f();
+RowEntry row_entry(std::int64_t y, const Ellipsoid& ellipsoid) {
+  const double a = ellipsoid.semi_major_m;
+  const double f = ellipsoid.flattening();
   const double e2 = f * (2 - f);
   double sin_lat = 0, cos_lat = 0;
   GeographicLib::Math::sincosd(place_of({0, std::min(y, kLatticePoleToPole)}).lat, sin_lat, cos_lat);
@@ -35,11 +34,12 @@ std::vector<ColumnEntry> column_table(int level, std::int32_t x, int tile_size) 
   return table;
 }
 
-std::vector<RowEntry> row_table(int level, std::int32_t y, int tile_size) {
+std::vector<RowEntry> row_table(int level, std::int32_t y, int tile_size, const Ellipsoid& ellipsoid) {
   const std::int64_t spacing = lattice_width(level) / (tile_size - 1);
   std::vector<RowEntry> table;
   table.reserve(static_cast<std::size_t>(tile_size));
-  for (int i = 0; i < tile_size; ++i) table.push_back(row_entry(y * lattice_width(level) + i * spacing));
+  for (int i = 0; i < tile_size; ++i)
+    table.push_back(row_entry(y * lattice_width(level) + i * spacing, ellipsoid));
   return table;
 }
 

@@ -21,27 +21,28 @@ HeightTexels height_texels(const HeightTile& tile) {
   return out;
 }
 
-PreparedHeightTile prepare_heights(const TileId& id, std::shared_ptr<const HeightTile> tile,
-                                   double quantum_m) {
+PreparedHeightTile prepare_heights(const TileId& id, std::shared_ptr<const HeightTile> tile, double quantum_m,
+                                   const Ellipsoid& ellipsoid) {
   HeightTexels texels = height_texels(*tile);
-  std::vector<std::byte> normals = normal_map(id, *tile, quantum_m);
+  std::vector<std::byte> normals = normal_map(id, *tile, quantum_m, ellipsoid);
   return {{id, std::move(texels), std::move(normals)},
-          prepare_surface_tile(id, std::move(tile), quantum_m, false)};
+          prepare_surface_tile(id, std::move(tile), quantum_m, false, ellipsoid)};
 }
 
-void PreparedHeights::add(const TileId& id, std::shared_ptr<const HeightTile> tile, double quantum_m) {
-  PreparedHeightTile prepared = prepare_heights(id, std::move(tile), quantum_m);
+void PreparedHeights::add(const TileId& id, std::shared_ptr<const HeightTile> tile, double quantum_m,
+                          const Ellipsoid& ellipsoid) {
+  PreparedHeightTile prepared = prepare_heights(id, std::move(tile), quantum_m, ellipsoid);
   const std::lock_guard lock(mutex_);
   ready_.insert_or_assign(id, std::move(prepared));
 }
 
 PreparedHeightTile PreparedHeights::take(const TileId& id, std::shared_ptr<const HeightTile> tile,
-                                         double quantum_m) {
+                                         double quantum_m, const Ellipsoid& ellipsoid) {
   {
     const std::lock_guard lock(mutex_);
     if (auto node = ready_.extract(id)) return std::move(node.mapped());
   }
-  return prepare_heights(id, std::move(tile), quantum_m);
+  return prepare_heights(id, std::move(tile), quantum_m, ellipsoid);
 }
 
 void PreparedHeights::forget(const TileId& id) {

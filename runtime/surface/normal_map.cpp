@@ -18,25 +18,26 @@ struct Slopes {
   float up = 1;
 };
 
-/// Metres between two columns and two rows of samples, on the sphere of the equator's radius: off by 0.7 %
-/// from the ellipsoid at most, which shading does not show.
+/// Metres between two columns and two rows of samples, on the sphere of the equator's radius: off by two
+/// flattenings at most, which shading does not show.
 struct Spacing {
   double east = 0;
   double north = 0;
 };
-Spacing spacing_of_row(const TileId& id, int row, int cells) {
+Spacing spacing_of_row(const TileId& id, int row, int cells, double radius_m) {
   const double radian = std::numbers::pi / 180;
   const double step = tile_width_degrees(id.level) / cells * radian;
   const double lat = (id.y * tile_width_degrees(id.level) - 90) * radian + (row + 0.5) * step;
-  return {kEquatorialRadius * step * std::max(std::cos(lat), 1e-6), kEquatorialRadius * step};
+  return {radius_m * step * std::max(std::cos(lat), 1e-6), radius_m * step};
 }
 
-std::vector<Slopes> cell_normals(const TileId& id, const HeightTile& tile, double quantum_m) {
+std::vector<Slopes> cell_normals(const TileId& id, const HeightTile& tile, double quantum_m,
+                                 double radius_m) {
   const int cells = tile.size - 1;
   std::vector<Slopes> normals;
   normals.reserve(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
   for (int r = 0; r < cells; ++r) {
-    const Spacing spacing = spacing_of_row(id, r, cells);
+    const Spacing spacing = spacing_of_row(id, r, cells, radius_m);
     const auto per_east = static_cast<float>(quantum_m / (2 * spacing.east));
     const auto per_north = static_cast<float>(quantum_m / (2 * spacing.north));
     for (int c = 0; c < cells; ++c) {
@@ -74,8 +75,9 @@ std::int8_t quantised(float value) {
 
 }  // namespace
 
-std::vector<std::byte> normal_map(const TileId& id, const HeightTile& tile, double quantum_m) {
-  std::vector<Slopes> normals = cell_normals(id, tile, quantum_m);
+std::vector<std::byte> normal_map(const TileId& id, const HeightTile& tile, double quantum_m,
+                                  const Ellipsoid& ellipsoid) {
+  std::vector<Slopes> normals = cell_normals(id, tile, quantum_m, ellipsoid.semi_major_m);
   std::vector<std::byte> blocks;
   std::vector<SignedPair> texels;
   int size = tile.size - 1;

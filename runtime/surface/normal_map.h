@@ -13,6 +13,7 @@ namespace cairn {
 /// left. Texel (i, j) is the normal of the cell east of column i and north of row j, rows from SOUTH to
 /// north, so that lighting has a tile's full detail whatever is drawn of its mesh (Intel 2012, "Normal Map
 /// Compression"). kNormalMips levels follow each other, each averaging 2×2 normals of the one before.
-std::vector<std::byte> normal_map(const TileId& id, const HeightTile& tile, double quantum_m);
+std::vector<std::byte> normal_map(const TileId& id, const HeightTile& tile, double quantum_m,
+                                  const Ellipsoid& ellipsoid);
 
 }  // namespace cairn

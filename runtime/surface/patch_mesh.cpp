@@ -37,7 +37,7 @@ PatchVertices::Vertex PatchVertices::at(int i, int j) const {
   const ColumnEntry column = has_tables ? patch_.surface.tile->columns[static_cast<std::size_t>(column_ + i)]
                                         : column_entry(corner_.x + i * spacing_);
   const RowEntry row = has_tables ? patch_.surface.tile->rows[static_cast<std::size_t>(row_ + j)]
-                                  : row_entry(corner_.y + j * spacing_);
+                                  : row_entry(corner_.y + j * spacing_, patch_.ellipsoid);
   const glm::dvec3 position = position_of(column, row, static_cast<double>(shown.finer_m));
   const glm::vec3 high(position);
   const int to_side = 15 - patch_.cells_log2;

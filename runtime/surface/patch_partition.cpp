@@ -30,21 +30,24 @@ bool overhangs(const TileId& id) {
 /// Splits one area into patches.
 class Splitter {
  public:
-  Splitter(const SurfaceArea& area, std::size_t from, const ScreenErrorBudget& budget, bool cull,
-           std::vector<SurfacePatch>& out)
+  Splitter(const SurfaceArea& area, std::size_t from, const ScreenErrorBudget& budget,
+           const SurfaceRules& rules, std::vector<SurfacePatch>& out)
       : area_(area),
         from_(from),
         budget_(budget),
-        cull_(cull),
+        cull_(rules.cull),
+        ellipsoid_(rules.view.ellipsoid),
         surface_(ShownSurface::of(area.surface, area.detail)),
         out_(out) {}
 
   void add(const TileId& area) {
     if (overhangs(area)) return split(area);
-    SurfacePatch patch{area, from_, surface_};
+    SurfacePatch patch{area, from_, surface_, 0, 0, 0, ellipsoid_};
     const int samples_log2 = patch.sample_cells_log2();
     const SquareSphere sphere = sphere_of(patch, samples_log2);
-    if (cull_ && !budget_.may_be_visible(surface_.tile ? sphere : sphere_around(area, 0, kHighest_m))) return;
+    if (cull_ &&
+        !budget_.may_be_visible(surface_.tile ? sphere : sphere_around(area, 0, kHighest_m, ellipsoid_)))
+      return;
     if (samples_log2 > kPatchCellsLog2) return split(area);
     const ScreenErrorBudget::ProjectedScale scale = budget_.scale_of(sphere);
     const bool is_near = scale.depth_m <= 0 || sphere.radius_m > kSmall * scale.depth_m;
@@ -72,7 +75,7 @@ class Splitter {
  private:
   /// Around the patch's ground. The tile has spheres of larger squares only.
   static SquareSphere sphere_of(const SurfacePatch& patch, int samples_log2) {
-    if (!patch.surface.tile) return sphere_around(patch.area, 0, 0);
+    if (!patch.surface.tile) return sphere_around(patch.area, 0, 0, patch.ellipsoid);
     const SurfaceTile& tile = *patch.surface.tile;
     if (samples_log2 >= SquareSpheres::kLeastCellsLog2) return tile.spheres.around(patch.area);
     // Within a cell no place is higher than the highest corner.
@@ -88,12 +91,12 @@ class Splitter {
         high = std::max({high, shown.finer_m, coarser});
       }
     }
-    return sphere_around(patch.area, static_cast<double>(low), static_cast<double>(high));
+    return sphere_around(patch.area, static_cast<double>(low), static_cast<double>(high), patch.ellipsoid);
   }
 
-  /// How far the Earth is from a flat square over the area, at most.
-  static double sagitta_m(const TileId& area) {
-    return sagitta_of_cell_m(glm::radians(tile_width_degrees(area.level)), kHighest_m);
+  /// How far the body is from a flat square over the area, at most.
+  double sagitta_m(const TileId& area) const {
+    return sagitta_of_cell_m(glm::radians(tile_width_degrees(area.level)), kHighest_m, ellipsoid_);
   }
   /// How often the square is halved until that is no more than what is allowed.
   static int forced_log2(double flat_m, double allowed_m) {
@@ -105,6 +108,7 @@ class Splitter {
   std::size_t from_;
   const ScreenErrorBudget& budget_;
   bool cull_;
+  Ellipsoid ellipsoid_;
   ShownSurface surface_;
   std::vector<SurfacePatch>& out_;
 };
@@ -125,7 +129,7 @@ PatchPartition partition_areas(std::span<const SurfaceArea> areas, const Surface
   const ScreenErrorBudget at_rest(rules.view, rules.tolerance_px, rules.lowest_m);
   const ScreenErrorBudget moving(rules.view, rules.tolerance_px / 2, rules.lowest_m);
   const auto splitter = [&](std::size_t i, std::vector<SurfacePatch>& out) {
-    return Splitter(areas[i], i, areas[i].moves ? moving : at_rest, rules.cull, out);
+    return Splitter(areas[i], i, areas[i].moves ? moving : at_rest, rules, out);
   };
   PatchPartition now;
   for (std::size_t i = 0; i < areas.size(); ++i) splitter(i, now.patches).add(areas[i].area);

@@ -25,9 +25,10 @@ int helping_threads() {
 }  // namespace
 
 struct Surface::State {
-  explicit State(const PackHeader& header) : quantum_m(header.quantum_m) {}
+  explicit State(const PackHeader& header) : quantum_m(header.quantum_m), ellipsoid(header.body.shape) {}
 
   double quantum_m;
+  Ellipsoid ellipsoid;
   std::shared_ptr<PreparedHeights> prepared = std::make_shared<PreparedHeights>();
   LodTransition shown;
   std::unordered_map<TileId, SurfaceTile> tiles;
@@ -44,7 +45,7 @@ const SurfaceTile* Surface::State::tile_of(const RenderTile& tile) {
   if (!tile.heights) return nullptr;
   const auto known = tiles.find(tile.heights_id);
   if (known != tiles.end()) return &known->second;
-  PreparedHeightTile made = prepared->take(tile.heights_id, tile.heights, quantum_m);
+  PreparedHeightTile made = prepared->take(tile.heights_id, tile.heights, quantum_m, ellipsoid);
   frame.fresh.push_back(std::move(made.textures));
   return &tiles.emplace(tile.heights_id, std::move(made.surface)).first->second;
 }
@@ -84,10 +85,10 @@ Surface& Surface::operator=(Surface&&) noexcept = default;
 Surface::~Surface() = default;
 
 ReadTile Surface::preparing(ReadTile read) const {
-  return [prepared = state_->prepared, read = std::move(read),
-          quantum_m = state_->quantum_m](const IndexEntry& entry) {
+  return [prepared = state_->prepared, read = std::move(read), quantum_m = state_->quantum_m,
+          ellipsoid = state_->ellipsoid](const IndexEntry& entry) {
     Result<LoadedTile> tile = read(entry);
-    if (tile && tile->heights) prepared->add(entry.id, tile->heights, quantum_m);
+    if (tile && tile->heights) prepared->add(entry.id, tile->heights, quantum_m, ellipsoid);
     return tile;
   };
 }
@@ -95,8 +96,10 @@ ReadTile Surface::preparing(ReadTile read) const {
 const SurfaceFrame& Surface::frame(const RenderList& list, const SurfaceView& view) {
   State& s = *state_;
   s.frame = {};
+  ViewState eye = view.view;
+  eye.ellipsoid = s.ellipsoid;
   // 1. Which tiles are shown, and with how much detail each.
-  FrameScale scale{camera_frame(view.view).position, 1 / pixel_footprint_m(view.view, 1), view.tolerance_px};
+  FrameScale scale{camera_frame(eye).position, 1 / pixel_footprint_m(eye, 1), view.tolerance_px};
   if (view.frame_s > 0) scale.longest_fade = std::max(1.0, kLongestFade_s / view.frame_s);
   s.shown.update(list, scale, [&s](const RenderTile& tile) { return s.tile_of(tile); });
   s.note_evicted(list.evicted);
@@ -112,7 +115,7 @@ const SurfaceFrame& Surface::frame(const RenderList& list, const SurfaceView& vi
     s.frame.tiles.push_back(&each.tile);
   }
   // 3. Patches, and the triangles of those that are new.
-  s.frame.mesh = s.mesher.frame(areas, {view.view, view.tolerance_px, std::min(list.lowest_m, 0.0), true});
+  s.frame.mesh = s.mesher.frame(areas, {eye, view.tolerance_px, std::min(list.lowest_m, 0.0), true});
   return s.frame;
 }
 

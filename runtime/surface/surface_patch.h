@@ -31,7 +31,8 @@ struct SurfacePatch {
   int cells_log2 = 0;
   int step = 0;         ///< of the tile's VertexSteps
   int forced_log2 = 0;  ///< every vertex is there whose distance to the next of its kind is 2^-forced_log2 of
-                        ///< a side or more: what the Earth's curvature asks for
+                        ///< a side or more: what the body's curvature asks for
+  Ellipsoid ellipsoid = {};
 
   int cells() const { return 1 << cells_log2; }
   /// log2 of the tile's own cells along a side; negative where the patch is a part of a cell.

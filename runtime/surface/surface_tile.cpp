@@ -60,7 +60,8 @@ DecimationErrors decimation_errors(const HeightTile& tile, double quantum_m) {
   return errors;
 }
 
-SquareSpheres::SquareSpheres(const HeightTile& tile, const TileId& id, double quantum_m)
+SquareSpheres::SquareSpheres(const HeightTile& tile, const TileId& id, double quantum_m,
+                             const Ellipsoid& ellipsoid)
     : id_(id), levels_(cells_log2_of(tile.size) - kLeastCellsLog2) {
   struct Range {
     std::int32_t low = std::numeric_limits<std::int32_t>::max();
@@ -93,7 +94,7 @@ SquareSpheres::SquareSpheres(const HeightTile& tile, const TileId& id, double qu
         const auto i = static_cast<std::size_t>(y * side + x);
         spheres_[first_[static_cast<std::size_t>(k)] + i] =
             sphere_around({id.level + k, (id.x << k) + x, (id.y << k) + y}, ranges[i].low * quantum_m,
-                          ranges[i].high * quantum_m);
+                          ranges[i].high * quantum_m, ellipsoid);
       }
     }
     if (k == 0) return;
@@ -116,7 +117,7 @@ const SquareSphere& SquareSpheres::around(const TileId& area) const {
 }
 
 SurfaceTile prepare_surface_tile(const TileId& id, std::shared_ptr<const HeightTile> heights,
-                                 double quantum_m, bool between_samples) {
+                                 double quantum_m, bool between_samples, const Ellipsoid& ellipsoid) {
   const HeightTile& tile = *heights;
   return {id,
           std::move(heights),
@@ -124,9 +125,9 @@ SurfaceTile prepare_surface_tile(const TileId& id, std::shared_ptr<const HeightT
           range_of(tile),
           decimation_errors(tile, quantum_m),
           VertexSteps(tile, id, quantum_m, between_samples),
-          SquareSpheres(tile, id, quantum_m),
+          SquareSpheres(tile, id, quantum_m, ellipsoid),
           column_table(id.level, id.x, tile.size),
-          row_table(id.level, id.y, tile.size)};
+          row_table(id.level, id.y, tile.size, ellipsoid)};
 }
 
 std::uint64_t SurfaceTile::bytes() const {

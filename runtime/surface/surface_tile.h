@@ -35,7 +35,7 @@ class SquareSpheres {
   static constexpr int kLeastCellsLog2 = 4;
 
   SquareSpheres() = default;
-  SquareSpheres(const HeightTile& tile, const TileId& id, double quantum_m);
+  SquareSpheres(const HeightTile& tile, const TileId& id, double quantum_m, const Ellipsoid& ellipsoid);
 
   /// REQUIRES: the tile covers the area, which is no smaller than the least square.
   const SquareSphere& around(const TileId& area) const;
@@ -68,7 +68,7 @@ struct SurfaceTile {
 
 /// Prepares a tile; takes some 15 ms for 513 samples a side. `between_samples`: see vertex_errors_m().
 SurfaceTile prepare_surface_tile(const TileId& id, std::shared_ptr<const HeightTile> heights,
-                                 double quantum_m, bool between_samples);
+                                 double quantum_m, bool between_samples, const Ellipsoid& ellipsoid);
 
 /// Returns the height in metres of the triangles between the samples; NaN where a sample that it needs is
 /// void.

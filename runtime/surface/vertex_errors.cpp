@@ -75,9 +75,9 @@ std::vector<float> vertex_errors_m(const HeightTile& heights, const TileId& id, 
   return errors;
 }
 
-double sagitta_of_cell_m(double cell_radians, double highest_m) {
-  constexpr double a = kEquatorialRadius, b = kPolarRadius;
-  return 2 / std::sqrt(3.0) * (a * a / b + std::max(0.0, highest_m)) * cell_radians * cell_radians / 4;
+double sagitta_of_cell_m(double cell_radians, double highest_m, const Ellipsoid& ellipsoid) {
+  return 2 / std::sqrt(3.0) * (largest_curvature_m(ellipsoid) + std::max(0.0, highest_m)) * cell_radians *
+         cell_radians / 4;
 }
 
 }  // namespace cairn

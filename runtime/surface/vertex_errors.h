@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "cairn/body.h"
 #include "cairn/height_tile.h"
 #include "cairn/tile_id.h"
 
@@ -25,6 +26,6 @@ std::vector<float> vertex_errors_m(const HeightTile& heights, const TileId& id, 
 /// second derivative of the position along any direction of the grid. It is largest near the poles, where the
 /// ellipsoid's radius of curvature R is largest too, a²/b. The distance grows with the square of the legs; a
 /// triangle whose hypotenuse runs along the grid and is as long as these legs has half of it.
-double sagitta_of_cell_m(double cell_radians, double highest_m);
+double sagitta_of_cell_m(double cell_radians, double highest_m, const Ellipsoid& ellipsoid);
 
 }  // namespace cairn

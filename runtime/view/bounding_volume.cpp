@@ -21,23 +21,23 @@ GeoBounds inside_world(const GeoBounds& area) {
   return {area.west, area.south, std::min(area.east, 180.0), std::min(area.north, 90.0)};
 }
 
-Samples sample_surface(const GeoBounds& area, double height_m) {
+Samples sample_surface(const GeoBounds& area, double height_m, const Ellipsoid& ellipsoid) {
   Samples samples;
   for (int j = 0; j <= kSteps; ++j) {
     for (int i = 0; i <= kSteps; ++i) {
       const LonLat place{area.west + area.width() * i / kSteps, area.south + area.height() * j / kSteps};
-      samples[static_cast<std::size_t>(j * (kSteps + 1) + i)] = to_geocentric(place, height_m);
+      samples[static_cast<std::size_t>(j * (kSteps + 1) + i)] = to_geocentric(place, height_m, ellipsoid);
     }
   }
   return samples;
 }
 
 /// How far the surface may lie from the convex hull of its samples. The second derivatives of an ellipsoid's
-/// position are a little above its radius: 2 % covers WGS84.
-double sag_m(const GeoBounds& area, double max_m) {
+/// position are a little above its largest radius of curvature: 2 % covers flattenings of up to 1/20.
+double sag_m(const GeoBounds& area, double max_m, const Ellipsoid& ellipsoid) {
   const double lon = glm::radians(area.width()) / kSteps;
   const double lat = glm::radians(area.height()) / kSteps;
-  return 1.02 * (kEquatorialRadius + std::max(max_m, 0.0)) * (lon * lon + lat * lat) / 8;
+  return 1.02 * (largest_curvature_m(ellipsoid) + std::max(max_m, 0.0)) * (lon * lon + lat * lat) / 8;
 }
 
 struct Extent {
@@ -85,8 +85,9 @@ std::optional<glm::dvec3> horizon_point(const Samples& samples, double sag, cons
 
 }  // namespace
 
-Occluder::Occluder(double lowest_m) : radii(kEquatorialRadius, kEquatorialRadius, kPolarRadius) {
-  assert(lowest_m > -100e3);
+Occluder::Occluder(double lowest_m, const Ellipsoid& body)
+    : ellipsoid(body), radii(body.semi_major_m, body.semi_major_m, body.semi_minor_m) {
+  assert(lowest_m > -body.semi_minor_m / 2);
   radii += glm::dvec3(std::min(lowest_m, 0.0));
 }
 
@@ -104,9 +105,9 @@ double BoundingVolume::distance_m(const glm::dvec3& point) const {
 BoundingVolume bounding_volume(const GeoBounds& area, double min_m, double max_m, const Occluder& occluder) {
   assert(min_m <= max_m);
   const GeoBounds inside = inside_world(area);
-  const Samples low = sample_surface(inside, min_m);
-  const Samples high = sample_surface(inside, max_m);
-  const double sag = sag_m(inside, max_m);
+  const Samples low = sample_surface(inside, min_m, occluder.ellipsoid);
+  const Samples high = sample_surface(inside, max_m, occluder.ellipsoid);
+  const double sag = sag_m(inside, max_m, occluder.ellipsoid);
   BoundingVolume volume;
   const LonLat middle{inside.west + inside.width() / 2, inside.south + inside.height() / 2};
   set_box(volume, local_frame(middle), low, high, sag);

@@ -7,16 +7,24 @@
 
 namespace cairn {
 
-glm::dvec3 to_geocentric(LonLat place, double height_m) {
+namespace {
+
+GeographicLib::Geocentric geocentric_of(const Ellipsoid& ellipsoid) {
+  return {ellipsoid.semi_major_m, ellipsoid.flattening()};
+}
+
+}  // namespace
+
+glm::dvec3 to_geocentric(LonLat place, double height_m, const Ellipsoid& ellipsoid) {
   glm::dvec3 p;
-  GeographicLib::Geocentric::WGS84().Forward(place.lat, place.lon, height_m, p.x, p.y, p.z);
+  geocentric_of(ellipsoid).Forward(place.lat, place.lon, height_m, p.x, p.y, p.z);
   return p;
 }
 
-Geodetic to_geodetic(const glm::dvec3& geocentric) {
+Geodetic to_geodetic(const glm::dvec3& geocentric, const Ellipsoid& ellipsoid) {
   Geodetic g;
-  GeographicLib::Geocentric::WGS84().Reverse(geocentric.x, geocentric.y, geocentric.z, g.place.lat,
-                                             g.place.lon, g.height_m);
+  geocentric_of(ellipsoid).Reverse(geocentric.x, geocentric.y, geocentric.z, g.place.lat, g.place.lon,
+                                   g.height_m);
   return g;
 }
 

@@ -14,16 +14,23 @@ namespace cairn {
 namespace {
 
 /// Bound, in radians, of the angle between the ellipsoid's normal under a point and the gradient of the
-/// ellipsoid's equation at the point. The angle is at most e²h/2a; the bound holds for |h| <= 20 km.
-constexpr double kNormalTilt = 2e-5;
+/// ellipsoid's equation at the point. The angle is at most e²h/2a; twice that is taken for |h| <= 20 km.
+double normal_tilt(const Ellipsoid& e) {
+  constexpr double kHighest_m = 20e3;
+  const double ratio = e.semi_minor_m / e.semi_major_m;
+  return (1 - ratio * ratio) * kHighest_m / e.semi_major_m;
+}
 
-/// Over a distance d the ellipsoid's normal turns by at most d / kNormalTurn_m radians: the least radius of
-/// curvature, a(1−e²), less 15 km for places below the ellipsoid.
-constexpr double kNormalTurn_m = 6.32e6;
+/// Over a distance d the ellipsoid's normal turns by at most d divided by this: the least radius of
+/// curvature, less 15 km for places below the ellipsoid.
+double normal_turn_m(const Ellipsoid& e) {
+  constexpr double kDeepest_m = 15e3;
+  return std::max(least_curvature_m(e) - kDeepest_m, least_curvature_m(e) / 2);
+}
 
-/// Unit vector along the gradient of the ellipsoid's equation at the point: up, to within kNormalTilt.
-glm::dvec3 up_at(const glm::dvec3& point) {
-  constexpr double a = kEquatorialRadius, b = kPolarRadius;
+/// Unit vector along the gradient of the ellipsoid's equation at the point: up, to within normal_tilt().
+glm::dvec3 up_at(const glm::dvec3& point, const Ellipsoid& ellipsoid) {
+  const double a = ellipsoid.semi_major_m, b = ellipsoid.semi_minor_m;
   return glm::normalize(point / glm::dvec3(a * a, a * a, b * b));
 }
 
@@ -34,7 +41,11 @@ constexpr double kSmall = 1.0 / 32;
 }  // namespace
 
 ScreenErrorBudget::ScreenErrorBudget(const ViewState& view, double tolerance_px, double lowest_m)
-    : horizon_(camera_frame(view).position, Occluder(lowest_m)), tolerance_px_(tolerance_px) {
+    : horizon_(camera_frame(view).position, Occluder(lowest_m, view.ellipsoid)),
+      tolerance_px_(tolerance_px),
+      ellipsoid_(view.ellipsoid),
+      normal_tilt_(normal_tilt(view.ellipsoid)),
+      normal_turn_m_(normal_turn_m(view.ellipsoid)) {
   const CameraFrame camera = camera_frame(view);
   position_ = camera.position;
   forward_ = camera.forward;
@@ -51,7 +62,7 @@ ScreenErrorBudget::ScreenErrorBudget(const ViewState& view, double tolerance_px,
 }
 
 ScreenErrorBudget::ProjectedScale ScreenErrorBudget::scale_of(const SquareSphere& sphere) const {
-  return scale_of(sphere, up_at(sphere.centre));
+  return scale_of(sphere, up_at(sphere.centre, ellipsoid_));
 }
 
 ScreenErrorBudget::ProjectedScale ScreenErrorBudget::scale_of(const SquareSphere& sphere,
@@ -64,7 +75,7 @@ ScreenErrorBudget::ProjectedScale ScreenErrorBudget::scale_of(const SquareSphere
   const double z = glm::dot(to, forward_), up_z = glm::dot(up, forward_);
   const glm::dvec2 across{z * glm::dot(up, right_) - glm::dot(to, right_) * up_z,
                           z * glm::dot(up, up_) - glm::dot(to, up_) * up_z};
-  const double beside = glm::length(across) + radius + far * (radius / kNormalTurn_m + kNormalTilt);
+  const double beside = glm::length(across) + radius + far * (radius / normal_turn_m_ + normal_tilt_);
   scale.any_px = focal_px_ * std::min(1 / corner_cosine_, far / scale.depth_m);
   scale.vertical_px = std::min(scale.any_px, focal_px_ * beside / scale.depth_m);
   scale.is_small = radius <= kSmall * scale.depth_m;

@@ -81,6 +81,9 @@ class ScreenErrorBudget {
   Horizon horizon_;
   double focal_px_;
   double tolerance_px_;
+  Ellipsoid ellipsoid_;
+  double normal_tilt_;    ///< radians: how far a sphere's `up` may be from the ellipsoid's normal
+  double normal_turn_m_;  ///< the normal turns by one radian over no less
   double corner_cosine_;  ///< of the angle between the view and a corner of the viewport
 };
 

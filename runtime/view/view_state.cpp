@@ -18,8 +18,9 @@ CameraFrame camera_frame(const ViewState& view) {
   const glm::dvec3 right = std::cos(heading) * local.east - std::sin(heading) * local.north;
   const glm::dvec3 forward = std::cos(pitch) * ahead + std::sin(pitch) * local.up;
   const glm::dvec3 up = std::cos(pitch) * local.up - std::sin(pitch) * ahead;
-  return {to_geocentric(view.eye, view.height_m), std::cos(roll) * right - std::sin(roll) * up,
-          std::cos(roll) * up + std::sin(roll) * right, forward};
+  return {to_geocentric(view.eye, view.height_m, view.ellipsoid),
+          std::cos(roll) * right - std::sin(roll) * up, std::cos(roll) * up + std::sin(roll) * right,
+          forward};
 }
 
 std::array<glm::dvec3, 5> inward_normals(const CameraFrame& camera, const ViewState& view) {

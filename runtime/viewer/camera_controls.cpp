@@ -24,7 +24,7 @@ double clamped_pitch(double pitch) {
 
 ViewState view_from(const ViewState& view, const glm::dvec3& position, const glm::dvec3& forward) {
   ViewState moved = view;
-  const Geodetic eye = to_geodetic(position);
+  const Geodetic eye = to_geodetic(position, view.ellipsoid);
   moved.eye = eye.place;
   moved.height_m = eye.height_m;
   const LocalFrame local = local_frame(eye.place);

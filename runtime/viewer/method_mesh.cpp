@@ -8,12 +8,13 @@
 namespace cairn::viewer {
 namespace {
 
-SurfaceWallVertex vertex_of(const LodVertex& vertex, std::size_t tile, const TileId& area) {
+SurfaceWallVertex vertex_of(const LodVertex& vertex, std::size_t tile, const TileId& area,
+                            const Ellipsoid& ellipsoid) {
   const LatticePoint corner = south_west_of(area);
   const std::int64_t width = lattice_width(area.level);
   LonLat place = place_of(vertex.point);
   if (place.lon == 180) place.lon = -180;  // so that both sides of the antimeridian have the same bits
-  const glm::dvec3 position = to_geocentric(place, vertex.height_m);
+  const glm::dvec3 position = to_geocentric(place, vertex.height_m, ellipsoid);
   const glm::vec3 high(position);
   const auto part = [&](std::int64_t from, std::int64_t to) {
     return static_cast<std::uint16_t>((to - from) * kSurfaceSide / width);
@@ -42,7 +43,7 @@ void append_walls(const LodTileMesh& walls, const LodScene& scene, SurfaceWalls&
         continue;
       for (const std::uint32_t corner : triangle) {
         out.indices.push_back(static_cast<std::uint32_t>(out.vertices.size()));
-        out.vertices.push_back(vertex_of(walls.vertices[corner], i, area));
+        out.vertices.push_back(vertex_of(walls.vertices[corner], i, area, scene.ellipsoid));
       }
       break;
     }
@@ -56,7 +57,8 @@ SurfaceWalls vertices_of(const LodMesh& mesh, const LodScene& scene) {
   for (const LodTileMesh& part : mesh.tiles) {
     const auto first = static_cast<std::uint32_t>(out.vertices.size());
     const TileId& area = scene.tiles[part.tile].area;
-    for (const LodVertex& vertex : part.vertices) out.vertices.push_back(vertex_of(vertex, part.tile, area));
+    for (const LodVertex& vertex : part.vertices)
+      out.vertices.push_back(vertex_of(vertex, part.tile, area, scene.ellipsoid));
     for (const LodTriangle& triangle : part.triangles) {
       for (const std::uint32_t corner : triangle) out.indices.push_back(first + corner);
     }

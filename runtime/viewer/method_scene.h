@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "cairn/pack_layout.h"
 #include "cairn/render_list.h"
 #include "cairn/surface_mesh.h"
 #include "runtime/lod/lod_method.h"
@@ -19,6 +20,6 @@ struct MethodScene {
 
 /// Of the tiles that have heights; what has none is left out, and the mesh ends there. Areas are cut at the
 /// end of the world. As in the renderer's own mesh, the tolerance is one of tiles and mesh together.
-MethodScene method_scene(std::span<const RenderTile* const> tiles, int tile_size, double quantum_m);
+MethodScene method_scene(std::span<const RenderTile* const> tiles, const PackHeader& pack);
 
 }  // namespace cairn::viewer

@@ -84,7 +84,7 @@ SurfaceMesh Scene::method_mesh(const SurfaceFrame& frame, const ViewState& view,
     method_ = look.method->create({});
   }
   const PackHeader& header = pack_->header();
-  MethodScene scene = method_scene(frame.tiles, header.tile_size, header.quantum_m);
+  MethodScene scene = method_scene(frame.tiles, header);
   method_->prepare(scene.scene);
   SurfaceMesh mesh;
   mesh.walls = vertices_of(method_->build(scene.scene, {view, look.tolerance_px, true}), scene.scene);
@@ -100,11 +100,14 @@ FrameCounts Scene::draw_list(const ViewState& view, const FrameLook& look, unsig
   const double begin_s = thread_cpu_s();
   counts.uploads = renderer_.take(frame);
   counts.upload_ms = 1e3 * (thread_cpu_s() - begin_s);
-  const gl::Renderer::Camera camera{view, clip_from_eye(view), list_->lowest_m};
+  ViewState eye = view;
+  eye.ellipsoid = pack_->header().body.shape;
+  const gl::Renderer::Camera camera{eye, clip_from_eye(eye), list_->lowest_m};
   const GlTarget target{framebuffer, 0, 0, view.viewport_width_px, view.viewport_height_px};
   gl::clear(target, look.hole_colour.value_or(glm::vec3(0)));
   GlLook shown = look;
   shown.sky = !look.hole_colour;
+  shown.is_earth = pack_->header().body.is_earth();
   if (look.method) {
     static_cast<GlCounts&>(counts) =
         renderer_.draw(frame, method_mesh(frame, view, look), camera, shown, target, look.draws);

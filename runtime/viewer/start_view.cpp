@@ -35,11 +35,12 @@ glm::dvec3 sun_direction(LonLat place, double hour) {
 ViewState start_view(const PackReader& pack, double fov_deg, Size size) {
   const GeoBounds bounds = bounds_of(pack);
   ViewState view;
+  view.ellipsoid = pack.header().body.shape;
   view.fov_y_deg = fov_deg;
   view.viewport_width_px = size.width;
   view.viewport_height_px = size.height;
   const LonLat middle{(bounds.west + bounds.east) / 2, (bounds.south + bounds.north) / 2};
-  const double degree = glm::radians(kEquatorialRadius);
+  const double degree = view.ellipsoid.equator_degree_m();
   const double wide = std::min(bounds.width(), 180.0) * degree * std::cos(glm::radians(middle.lat));
   const double high = std::min(bounds.height(), 180.0) * degree;
   const double half_fov = glm::radians(fov_deg) / 2;
@@ -48,7 +49,7 @@ ViewState start_view(const PackReader& pack, double fov_deg, Size size) {
   if (bounds.width() > 60 || bounds.height() > 60) {
     view.eye = middle;
     const double half_angle = std::atan(std::tan(half_fov) * std::min(aspect, 1.0));
-    view.height_m = kEquatorialRadius * (1.08 / std::sin(half_angle) - 1);
+    view.height_m = view.ellipsoid.semi_major_m * (1.08 / std::sin(half_angle) - 1);
     view.pitch_deg = -90;
     return view;
   }
@@ -66,6 +67,7 @@ Result<ViewState> view_of(const Options& options, const PackReader& pack, Size s
     const Result<ViewState> asked = parse_camera(options.camera);
     if (!asked) return asked.error();
     view = *asked;
+    view.ellipsoid = pack.header().body.shape;
   }
   view.fov_y_deg = options.fov_deg;
   view.viewport_width_px = size.width;

@@ -3,7 +3,8 @@
 layout(location = 3) uniform vec3 eye_geocentric;
 layout(location = 4) uniform vec3 to_sun;
 layout(location = 5) uniform float eye_height;
-layout(location = 6) uniform uint look;  // bits: 2 fog
+layout(location = 6) uniform uint look;  // bits: 2 fog, 4 the Earth, which has air
+layout(location = 11) uniform vec3 ellipsoid_radii;
 layout(location = 10) uniform float lowest;  // metres: no ground of the pack is lower; 0 or below
 
 layout(location = 0) in vec3 ray;
@@ -11,14 +12,14 @@ layout(location = 0) out vec4 colour;
 
 // Light scattered once, by air whose density falls off as exp(-height / 8 km) around a sphere. Rayleigh's
 // coefficients are those of sea-level air at 680, 550 and 440 nm.
-const float kRadius = 6371000.0, kTop = 100000.0, kScale = 8000.0;
+const float kTop = 100000.0, kScale = 8000.0;
 const vec3 kScatter = vec3(5.8e-6, 13.5e-6, 33.1e-6);
 const int kSteps = 16;
 
 const vec3 kBare = vec3(0.09, 0.10, 0.11);
 
 vec3 radii() {
-  return vec3(6378137.0, 6378137.0, 6356752.3142) + lowest;
+  return ellipsoid_radii + lowest;
 }
 
 // How far the lowest ground may be along the ray, < 0 where the ray misses it; what lies above it is drawn as terrain, so
@@ -35,6 +36,7 @@ float distance_to_ground(vec3 d) {
 // As terrain.frag draws areas for which the pack has nothing.
 vec3 bare_ground(vec3 d, float distance) {
   vec3 up = normalize((eye_geocentric + d * distance) / (radii() * radii()));
+  if ((look & 4u) == 0u) return kBare * (1.4 * max(dot(up, to_sun), 0.0) + 0.015);
   float day = smoothstep(-0.12, 0.15, dot(up, to_sun));
   vec3 light = max(dot(up, to_sun), 0.0) * day * vec3(1.12, 1.06, 0.95) + (0.04 + 0.22 * day) * vec3(0.75, 0.9, 1.15);
   float a = max(eye_height, 0.0) / kScale;
@@ -50,11 +52,18 @@ void main() {
     colour = vec4(bare_ground(d, ground), 1.0);
     return;
   }
+  float cosine = dot(d, to_sun);
+  vec3 sun = smoothstep(0.99996, 0.99998, cosine) * vec3(8.0, 7.4, 6.5);
+  if ((look & 4u) == 0u) {
+    colour = vec4(1.0 - exp(-sun), 1.0);
+    return;
+  }
   // Heights above the ellipsoid, not the sphere, decide how much air there is.
-  vec3 e = eye_geocentric * vec3(1.0, 1.0, 6378137.0 / 6356752.3142) * (kRadius / 6378137.0);
+  float mean_radius = (2.0 * ellipsoid_radii.x + ellipsoid_radii.z) / 3.0;
+  vec3 e = eye_geocentric / ellipsoid_radii * mean_radius;
   float middle = -dot(e, d);
   float nearest2 = dot(e, e) - middle * middle;
-  float outer2 = (kRadius + kTop) * (kRadius + kTop);
+  float outer2 = (mean_radius + kTop) * (mean_radius + kTop);
   vec3 sum = vec3(0);
   if (nearest2 < outer2) {
     float half_chord = sqrt(outer2 - nearest2);
@@ -65,15 +74,13 @@ void main() {
       for (int i = 0; i < kSteps; ++i) {
         vec3 at = e + d * (first + (float(i) + 0.5) * step_length);
         float r = length(at);
-        float density = exp(-max(r - kRadius, 0.0) / kScale) * step_length;
+        float density = exp(-max(r - mean_radius, 0.0) / kScale) * step_length;
         float day = smoothstep(-0.15, 0.2, dot(at / r, to_sun));
         sum += density * day * exp(-kScatter * (depth + 0.5 * density));
         depth += density;
       }
     }
   }
-  float cosine = dot(d, to_sun);
   vec3 light = 6.0 * kScatter * sum * (3.0 / (16.0 * 3.14159265)) * (1.0 + cosine * cosine) * 3.0;
-  vec3 sun = smoothstep(0.99996, 0.99998, cosine) * vec3(8.0, 7.4, 6.5);
   colour = vec4(1.0 - exp(-(light + sun)), 1.0);
 }

@@ -11,7 +11,8 @@ layout(location = 7) uniform float quantum;
 layout(location = 3) uniform vec3 eye_geocentric;
 layout(location = 4) uniform vec3 to_sun;
 layout(location = 5) uniform float eye_height;
-layout(location = 6) uniform uint look;  // bits: 1 level colours, 2 fog
+layout(location = 6) uniform uint look;  // bits: 1 level colours, 2 fog, 4 the Earth
+layout(location = 11) uniform vec3 radii;  // of the ellipsoid
 
 layout(location = 0) in vec2 patch_place;
 layout(location = 1) in vec3 from_eye;
@@ -24,11 +25,9 @@ layout(location = 7) flat in vec4 across[4];  // south, north, west, east
 
 layout(location = 0) out vec4 colour;
 
-const vec3 kInverseRadiiSquared = vec3(1.0 / (6378137.0 * 6378137.0), 1.0 / (6378137.0 * 6378137.0),
-                                       1.0 / (6356752.3142 * 6356752.3142));
-
 // Hypsometric tint, linear RGB: water at 0 and below, as the sea is 0 in most sources, then lowland green to snow.
 vec3 tint(float h) {
+  if ((look & 4u) == 0u) return vec3(mix(0.20, 0.42, smoothstep(-9000.0, 9000.0, h)));
   const int kSteps = 9;
   const float at[kSteps] = float[](-8000.0, -200.0, 0.0, 1.0, 300.0, 900.0, 1800.0, 3000.0, 4500.0);
   const vec3 of[kSteps] = vec3[](vec3(0.010, 0.025, 0.090), vec3(0.035, 0.110, 0.240), vec3(0.075, 0.190, 0.330),
@@ -152,16 +151,19 @@ float haze(float distance) {
 }
 
 void main() {
-  vec3 up = normalize((eye_geocentric + from_eye) * kInverseRadiiSquared);
+  vec3 up = normalize((eye_geocentric + from_eye) / (radii * radii));
   vec3 east = normalize(vec3(-up.y, up.x, 1e-9 * up.z));
   vec3 north = cross(up, east);
   vec3 n = normal_east_north_up();
   vec3 normal = n.x * east + n.y * north + n.z * up;
 
-  float day = smoothstep(-0.12, 0.15, dot(up, to_sun));
+  // Without air the terminator is sharp, and what the sun does not reach is dark but for a trace.
+  bool earth = (look & 4u) != 0u;
+  float day = earth ? smoothstep(-0.12, 0.15, dot(up, to_sun)) : step(-0.02, dot(up, to_sun));
   float sun = max(dot(normal, to_sun), 0.0) * day;
   float sky = 0.5 + 0.5 * dot(normal, up);
-  vec3 light = sun * vec3(1.12, 1.06, 0.95) + sky * (0.04 + 0.22 * day) * vec3(0.75, 0.9, 1.15);
+  vec3 light = earth ? sun * vec3(1.12, 1.06, 0.95) + sky * (0.04 + 0.22 * day) * vec3(0.75, 0.9, 1.15)
+                     : vec3(1.4 * sun + 0.015);
   vec3 lit = surface_colour(up) * light;
   if ((look & 2u) != 0u) lit = mix(lit, vec3(0.44, 0.58, 0.78) * (0.03 + 0.97 * day), haze(length(from_eye)));
   colour = vec4(lit, 1.0);

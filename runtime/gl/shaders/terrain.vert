@@ -18,8 +18,9 @@ layout(std430, binding = 0) readonly buffer Patches { Patch patches[]; };
 
 layout(location = 0) uniform vec3 eye_high;
 layout(location = 9) uniform vec3 eye_low;
+layout(location = 11) uniform vec3 radii;  // of the ellipsoid
 layout(location = 1) uniform mat4 clip_from_eye;
-layout(location = 8) uniform vec4 horizon;  // a plane that the Earth's far side lies behind
+layout(location = 8) uniform vec4 horizon;  // a plane that the body's far side lies behind
 
 layout(location = 0) in vec3 position_high;
 layout(location = 1) in vec3 position_low;
@@ -43,14 +44,11 @@ out gl_PerVertex {
   float gl_ClipDistance[1];
 };
 
-const vec3 kInverseRadiiSquared = vec3(1.0 / (6378137.0 * 6378137.0), 1.0 / (6378137.0 * 6378137.0),
-                                       1.0 / (6356752.3142 * 6356752.3142));
-
 // Single precision alone has steps of half a metre at the Earth's radius. Equal vertices give equal bits in any patch.
 vec3 position_from_eye(float above) {
   precise vec3 from = (position_high - eye_high) + (position_low - eye_low);
   if (above == 0.0) return from;
-  precise vec3 up = normalize((eye_high + from) * kInverseRadiiSquared);
+  precise vec3 up = normalize((eye_high + from) / (radii * radii));
   precise vec3 glided = from + up * above;
   return glided;
 }

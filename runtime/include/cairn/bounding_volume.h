@@ -4,15 +4,17 @@
 
 #include <glm/vec3.hpp>
 
+#include "cairn/body.h"
 #include "cairn/geo.h"
 
 namespace cairn {
 
 /// An ellipsoid that no terrain goes below, so that what it occludes is invisible.
 struct Occluder {
-  /// A lowest_m above 0 counts as 0. REQUIRES: lowest_m > -100 km.
-  explicit Occluder(double lowest_m);
-  glm::dvec3 radii;
+  /// A lowest_m above 0 counts as 0. REQUIRES: lowest_m is above minus half the semi-minor axis.
+  explicit Occluder(double lowest_m, const Ellipsoid& ellipsoid = {});
+  Ellipsoid ellipsoid;  ///< of the body, from which heights are measured
+  glm::dvec3 radii;     ///< of the occluder
 };
 
 /// A volume that encloses the surface of a tile, in geocentric metres.
@@ -27,7 +29,7 @@ struct BoundingVolume {
   double distance_m(const glm::dvec3& point) const;  ///< from the box; 0 inside
 };
 
-/// Returns a volume that encloses every point of the area between the heights.
+/// Returns a volume that encloses every point of the area between the heights, on the occluder's ellipsoid.
 /// The area is sampled at 5×5 places. Between them the surface leaves the samples' convex hull by at most
 /// (R+h)(δφ²+δλ²)/8, the error of linear interpolation with δ the step in radians, and the volume is larger
 /// by that. Parts of the area beyond 180°E or a pole do not count. REQUIRES: min_m <= max_m.

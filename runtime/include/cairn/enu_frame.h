@@ -8,10 +8,11 @@
 namespace cairn {
 
 /// The tangent plane of the ellipsoid at a place: coordinates are metres to the east, to the north and up.
-/// Errors are a few nanometres near the Earth. Immutable, so that any number of threads may use one.
+/// The ellipsoid is by default that of WGS84; PackHeader::body has a pack's. Errors are a few nanometres.
+/// Immutable, so that any number of threads may use one.
 class EnuFrame {
  public:
-  explicit EnuFrame(const Geodetic& origin);
+  explicit EnuFrame(const Geodetic& origin, const Ellipsoid& ellipsoid = {});
 
   glm::dvec3 to_geocentric(const glm::dvec3& enu) const;
   glm::dvec3 from_geocentric(const glm::dvec3& geocentric) const;
@@ -22,6 +23,7 @@ class EnuFrame {
   glm::dmat4 geocentric_from_enu() const;
 
  private:
+  Ellipsoid ellipsoid_;
   glm::dvec3 origin_;
   LocalFrame axes_;
 };

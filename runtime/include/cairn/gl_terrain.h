@@ -23,6 +23,8 @@ struct GlLook {
   glm::dvec3 to_sun{0, 0, 1};  ///< geocentric, unit length
   bool sky = true;             ///< drawn where the depth is still the farthest; with a perspective only
   bool fog = true;
+  /// Air, and water at 0 m and below; else a black sky and grey ground. False of a pack of another body.
+  bool is_earth = true;
   bool depth_only = false;  ///< no colour is written, and no sky
   bool wireframe = false;
   bool level_colours = false;  ///< a colour for each level of the tiles instead of imagery or tint
@@ -47,7 +49,7 @@ struct GlCounts {
   std::optional<double> gpu_ms;  ///< of an earlier picture, the last that the GPU has finished; by its clock
 };
 
-/// From metres relative to the eye, along the Earth's axes, to clip space; depth is 5 cm / distance: 1 at the
+/// From metres relative to the eye, along the body's axes, to clip space; depth is 5 cm / distance: 1 at the
 /// near plane, 0 infinitely far. What GlTerrain::draw() takes where it is given no other.
 glm::dmat4 clip_from_eye(const ViewState& view);
 

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "cairn/body.h"
 #include "cairn/geo.h"
 
 namespace cairn {
@@ -23,6 +24,8 @@ struct ViewState {
   double fov_y_deg = 60;         ///< between the top and the bottom of the viewport; 0 < fov < 180
   int viewport_width_px = 1920;  ///< > 0
   int viewport_height_px = 1080;
+  /// Of the body that the eye is at; Terrain and Surface take that of their pack instead.
+  Ellipsoid ellipsoid = {};
 };
 
 /// A camera's position in geocentric metres, and its unit axes; the view is along `forward`.

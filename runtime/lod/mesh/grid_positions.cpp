@@ -8,14 +8,15 @@
 
 namespace cairn {
 
-GridPositions::GridPositions(const LatticePoint& corner, std::int64_t spacing, int side) {
-  constexpr double ratio = (kPolarRadius / kEquatorialRadius) * (kPolarRadius / kEquatorialRadius);
+GridPositions::GridPositions(const LatticePoint& corner, std::int64_t spacing, int side,
+                             const Ellipsoid& ellipsoid) {
+  const double ratio = 1 / ellipsoid.graphic_per_centric();
   for (int i = 0; i < side; ++i) {
     const LonLat place = place_of({corner.x + i * spacing, corner.y + i * spacing});
     const double lon = glm::radians(place.lon), lat = glm::radians(place.lat);
     columns_.push_back({std::cos(lon), std::sin(lon)});
     const double sine = std::sin(lat);
-    const double normal = kEquatorialRadius / std::sqrt(1 - (1 - ratio) * sine * sine);
+    const double normal = ellipsoid.semi_major_m / std::sqrt(1 - (1 - ratio) * sine * sine);
     rows_.push_back({std::cos(lat), sine, normal, normal * ratio});
   }
 }

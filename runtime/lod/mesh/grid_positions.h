@@ -7,6 +7,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "cairn/body.h"
 #include "runtime/view/sample_lattice.h"
 
 namespace cairn {
@@ -17,7 +18,7 @@ class GridPositions {
  public:
   /// The grid has `side` columns and rows, from the corner to the east and the north, `spacing` lattice units
   /// apart.
-  GridPositions(const LatticePoint& corner, std::int64_t spacing, int side);
+  GridPositions(const LatticePoint& corner, std::int64_t spacing, int side, const Ellipsoid& ellipsoid);
 
   glm::dvec3 at(int column, int row, double height_m) const {
     const Row& r = rows_[static_cast<std::size_t>(row)];

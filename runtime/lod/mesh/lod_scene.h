@@ -14,7 +14,7 @@
 
 namespace cairn {
 
-/// An area of the Earth, and the tile whose heights are drawn there.
+/// An area of a body, and the tile whose heights are drawn there.
 struct LodTile {
   TileId area;                                ///< inside the world, without overhang
   TileId source;                              ///< the area or an ancestor, with samples at the area's corners
@@ -32,6 +32,7 @@ struct LodScene {
   int tile_size = 513;
   double quantum_m = 0.25;
   double lowest_m = 0;  ///< no height of the pack is below
+  Ellipsoid ellipsoid = {};
   std::vector<LodTile> tiles;
 };
 

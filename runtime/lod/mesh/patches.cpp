@@ -6,9 +6,9 @@
 #include <numbers>
 #include <unordered_set>
 
+#include "cairn/geodesy.h"
 #include "runtime/lod/mesh/index_forms.h"
 #include "runtime/lod/mesh/tile_window.h"
-#include "cairn/geodesy.h"
 
 namespace cairn {
 namespace {
@@ -50,13 +50,13 @@ double cell_error(const TileWindow& window, int column, int row, int step) {
   return worst;
 }
 
-double sagitta_of_grid_m(const TileWindow& window, const Patch& patch, int step) {
+double sagitta_of_grid_m(const TileWindow& window, const Patch& patch, int step, const Ellipsoid& ellipsoid) {
   const GeoBounds bounds = bounds_of(window, patch);
   const double radian = std::numbers::pi / 180;
   const double angle = bounds.width() * radian * step / patch.cells;
   const double nearest = bounds.south > 0 ? bounds.south : bounds.north < 0 ? bounds.north : 0;
   const double cosine = std::cos(nearest * radian);
-  return kEquatorialRadius * angle * angle * (1 + cosine * cosine) / 8;
+  return ellipsoid.semi_major_m * angle * angle * (1 + cosine * cosine) / 8;
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ std::vector<float> patch_errors_m(const LodScene& scene, const LodTile& tile, co
         worst = std::max(worst, cell_error(window, c, r, step));
       }
     }
-    const double sagitta_m = k > 0 ? sagitta_of_grid_m(window, patch, step) : 0;
+    const double sagitta_m = k > 0 ? sagitta_of_grid_m(window, patch, step, scene.ellipsoid) : 0;
     errors.push_back(static_cast<float>(worst * scene.quantum_m + sagitta_m));
   }
   return errors;
@@ -80,7 +80,7 @@ std::vector<float> patch_errors_m(const LodScene& scene, const LodTile& tile, co
 
 std::vector<Patch> Patches::make(const LodScene& scene, const LodTile& tile) const {
   const TileWindow window(scene, tile);
-  const Occluder occluder(scene.lowest_m);
+  const Occluder occluder(scene.lowest_m, scene.ellipsoid);
   const int cells = std::min(cells_, window.cells());
   std::vector<Patch> patches;
   for (int row = 0; row < window.cells(); row += cells) {

@@ -70,7 +70,7 @@ template <class StepOf>
 LodMesh mesh_of_patches(const LodScene& scene, const LodView& view, const Patches& patches,
                         const StepOf& step_of) {
   const auto choose = [&] {
-    const ViewFrustum frustum(view.view, Occluder(scene.lowest_m));
+    const ViewFrustum frustum(view.view, Occluder(scene.lowest_m, scene.ellipsoid));
     std::vector<ChosenPatch> chosen;
     for (const std::size_t index : tiles_in_view(scene, view)) {
       const LodTile& tile = scene.tiles[index];

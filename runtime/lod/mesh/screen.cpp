@@ -34,8 +34,8 @@ double Screen::bound_px(double error_m, const glm::dvec3& centre, double radius_
   return focal_px_ * error_m * slant / (z - error_m);
 }
 
-glm::dvec3 to_geocentric(const LatticePoint& point, double height_m) {
-  return to_geocentric(place_of(point), height_m);
+glm::dvec3 to_geocentric(const LatticePoint& point, double height_m, const Ellipsoid& ellipsoid) {
+  return to_geocentric(place_of(point), height_m, ellipsoid);
 }
 
 }  // namespace cairn

@@ -12,7 +12,7 @@ namespace cairn {
 ///
 /// A screen error is the distance in pixels between the projections of a sample and of the mesh's point at
 /// the sample's longitude and latitude, where the triangle is linear in longitude and latitude. Both are
-/// projected from geocentric coordinates, so the Earth's curvature under a large triangle counts.
+/// projected from geocentric coordinates, so the body's curvature under a large triangle counts.
 class Screen {
  public:
   explicit Screen(const ViewState& view);
@@ -34,6 +34,6 @@ class Screen {
 };
 
 /// Returns geocentric metres.
-glm::dvec3 to_geocentric(const LatticePoint& point, double height_m);
+glm::dvec3 to_geocentric(const LatticePoint& point, double height_m, const Ellipsoid& ellipsoid = {});
 
 }  // namespace cairn

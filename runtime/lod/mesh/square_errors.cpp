@@ -33,10 +33,11 @@ int encode_rounding_down(float length_m) {
 
 SquareErrors::SquareErrors(const LodScene& scene, const LodTile& tile, bool between_samples)
     : positions_(south_west_of(tile.source), lattice_width(tile.source.level) / (tile.heights->size - 1),
-                 tile.heights->size),
+                 tile.heights->size, scene.ellipsoid),
       levels_(std::bit_width(static_cast<unsigned>(tile.heights->size - 1)) - 1),
       cell_radians_(tile_width_degrees(tile.source.level) / (tile.heights->size - 1) * std::numbers::pi /
-                    180) {
+                    180),
+      cell_m_(cell_radians_ * scene.ellipsoid.semi_major_m) {
   const HeightTile& heights = *tile.heights;
   std::size_t squares = 0;
   for (int k = levels_; k >= 1; --k) {
@@ -46,7 +47,7 @@ SquareErrors::SquareErrors(const LodScene& scene, const LodTile& tile, bool betw
   squares_.resize(squares);
   fill(heights, vertex_errors_m(heights, tile.source, scene.quantum_m, between_samples));
   const std::vector<std::array<double, 2>> ranges = height_ranges_m(heights, scene.quantum_m);
-  measure_sagittas(ranges, tile.max_m);
+  measure_sagittas(ranges, tile.max_m, scene.ellipsoid);
   place_spheres(heights, ranges);
 }
 
@@ -106,11 +107,12 @@ std::vector<std::array<double, 2>> SquareErrors::height_ranges_m(const HeightTil
   return ranges;
 }
 
-void SquareErrors::measure_sagittas(const std::vector<std::array<double, 2>>& ranges, double highest_m) {
+void SquareErrors::measure_sagittas(const std::vector<std::array<double, 2>>& ranges, double highest_m,
+                                    const Ellipsoid& ellipsoid) {
   /// 0.39 times the longer leg is the bound. A triangle bisected at a middle has legs 1/√2 as long as one
   /// bisected at a centre, but uses half of sagitta_m(); √2 makes that half large enough.
   constexpr double kLean = 0.39 * std::numbers::sqrt2;
-  const double of_cell = sagitta_of_cell_m(cell_radians_, highest_m);
+  const double of_cell = sagitta_of_cell_m(cell_radians_, highest_m, ellipsoid);
   for (int k = 0; k <= levels_; ++k) {
     const int ranged = std::max(k, std::min(kSphereLevel, levels_)), side = 1 << (levels_ - ranged);
     double rise = 0;

@@ -34,7 +34,7 @@ struct SquareError {
 /// The errors and bounding spheres of all squares of a tile's bisection hierarchy (BisectionForest).
 ///
 /// Worked out once when a tile is loaded, and immutable after that. The errors are those of
-/// vertex_errors_m(), without the Earth's curvature, for which sagitta_m() is the bound.
+/// vertex_errors_m(), without the body's curvature, for which sagitta_m() is the bound.
 class SquareErrors {
  public:
   /// Squares of at least 2^kSphereLevel cells have spheres of their own.
@@ -56,6 +56,7 @@ class SquareErrors {
   /// barycentric weights: at most 0.39 times the longer leg in radians times the range of heights.
   double sagitta_m(int k) const { return sagittas_m_[static_cast<std::size_t>(k)]; }
 
+  double cell_m() const { return cell_m_; }              ///< the same along the equator
   double cell_radians() const { return cell_radians_; }  ///< the sample spacing in longitude and latitude
 
   /// Geocentric positions of the tile's samples.
@@ -76,7 +77,8 @@ class SquareErrors {
   }
   void fill(const HeightTile& heights, const std::vector<float>& errors_m);
   std::vector<std::array<double, 2>> height_ranges_m(const HeightTile& heights, double quantum_m) const;
-  void measure_sagittas(const std::vector<std::array<double, 2>>& ranges, double highest_m);
+  void measure_sagittas(const std::vector<std::array<double, 2>>& ranges, double highest_m,
+                        const Ellipsoid& ellipsoid);
   void place_spheres(const HeightTile& heights, const std::vector<std::array<double, 2>>& ranges);
   SquareSphere sphere_over(int k, int x, int y, double low_m, double high_m) const;
   LocalSphere local_sphere(const SquareSphere& sphere) const;
@@ -84,6 +86,7 @@ class SquareErrors {
   GridPositions positions_;
   int levels_;
   double cell_radians_;
+  double cell_m_;
   std::array<double, 16> sagittas_m_{};
   std::array<std::size_t, 16> first_{};
   std::vector<SquareError> squares_;

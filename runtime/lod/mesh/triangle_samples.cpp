@@ -55,7 +55,7 @@ ProjectedSample corner(const TriangleView& view, const TileSurface& surface, con
 TriangleView::TriangleView(const LodView& view, double lowest_m)
     : camera(camera_frame(view.view)),
       sample_camera(camera),
-      horizon(camera.position, Occluder(lowest_m)),
+      horizon(camera.position, Occluder(lowest_m, view.view.ellipsoid)),
       tolerance(view.tolerance_px * (1 - kEdgeRounding)) {
   const double focal_px = focal_px_of(view);
   tolerance /= focal_px;

@@ -77,7 +77,7 @@ class Frames {
     auto& surface = surfaces_[tile.heights_id];
     if (!surface) {
       surface = std::make_unique<SurfaceTile>(
-          prepare_surface_tile(tile.heights_id, tile.heights, header_.quantum_m, false));
+          prepare_surface_tile(tile.heights_id, tile.heights, header_.quantum_m, false, {}));
     }
     return surface.get();
   }

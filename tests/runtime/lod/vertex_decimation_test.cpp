@@ -135,7 +135,7 @@ LodView view_of(const GeoBounds& area, std::mt19937& random) {
   const auto between = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  const double width_m = (area.north - area.south) * kMeridianDegree_m;
+  const double width_m = (area.north - area.south) * 111e3;
   LodView view{{}, 0, true};
   view.view.eye = {between(area.west, area.east),
                    std::max(-90.0, area.south - between(0, 1) * (area.north - area.south))};

@@ -36,7 +36,7 @@ class World {
     auto& slot = surfaces_[tile.heights_id];
     if (!slot) {
       slot = std::make_unique<SurfaceTile>(
-          prepare_surface_tile(tile.heights_id, tile.heights, kQuantum_m, false));
+          prepare_surface_tile(tile.heights_id, tile.heights, kQuantum_m, false, {}));
     }
     return slot.get();
   }

@@ -56,14 +56,14 @@ TEST_CASE("a BC5 value is off by a fourteenth of its block's range at most") {
 
 TEST_CASE("the normals of an inclined plane are the plane's, at every mip") {
   const TileId id = tile_at({0.5, 0.5}, 0);
-  const double cell = 3.14159265358979 / 180 * kEquatorialRadius / 256;
+  const double cell = 3.14159265358979 / 180 * Ellipsoid().semi_major_m / 256;
   HeightTile tile{257, {}, {}};
   for (int r = 0; r < 257; ++r) {
     for (int c = 0; c < 257; ++c) {  // 30 % up to the east, 10 % down to the north, in centimetres
       tile.samples.push_back(static_cast<std::int32_t>(std::lround(100 * cell * (0.3 * c - 0.1 * r))));
     }
   }
-  const std::vector<std::byte> blocks = normal_map(id, tile, 0.01);
+  const std::vector<std::byte> blocks = normal_map(id, tile, 0.01, {});
   std::size_t size = 256, offset = 0;
   const double length = std::sqrt(1 + 0.09 + 0.01);
   for (int mip = 0; mip < kNormalMips; ++mip, size /= 2) {

@@ -33,7 +33,7 @@ class Surfaces {
     auto& slot = tiles_[id];
     if (!slot) {
       slot = std::make_unique<SurfaceTile>(
-          prepare_surface_tile(id, std::make_shared<const HeightTile>(surface_.tile(id)), 0.25, false));
+          prepare_surface_tile(id, std::make_shared<const HeightTile>(surface_.tile(id)), 0.25, false, {}));
     }
     return slot.get();
   }
@@ -346,7 +346,7 @@ TEST_CASE("a height changes with detail without a jump, beside voids too") {
                                 }};
   const TileId id = tile_at({10.3, 45.7}, 4);
   const auto heights = std::make_shared<const HeightTile>(holed.tile(id));
-  const SurfaceTile tile = prepare_surface_tile(id, heights, 0.25, false);
+  const SurfaceTile tile = prepare_surface_tile(id, heights, 0.25, false, {});
   const LatticePoint corner = south_west_of(id);
   std::mt19937 random(2);
   int known = 0;

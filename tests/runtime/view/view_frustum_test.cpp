@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "cairn/tile_id.h"
 #include "cairn/geodesy.h"
+#include "cairn/tile_id.h"
 
 namespace cairn {
 namespace {
@@ -82,8 +82,8 @@ TEST_CASE("geocentric places go there and back") {
     REQUIRE(back.place.lat == Approx(place.lat).margin(1e-11));
     REQUIRE(std::remainder(back.place.lon - place.lon, 360) == Approx(0).margin(1e-9));
   }
-  CHECK(to_geocentric({0, 0}, 0).x == kEquatorialRadius);
-  CHECK(to_geocentric({0, 90}, 0).z == Approx(kPolarRadius).epsilon(1e-15));
+  CHECK(to_geocentric({0, 0}, 0).x == Ellipsoid().semi_major_m);
+  CHECK(to_geocentric({0, 90}, 0).z == Approx(Ellipsoid().semi_minor_m).epsilon(1e-15));
 }
 
 TEST_CASE("the camera's axes are square to each other and look where heading and pitch say") {
