@@ -55,6 +55,7 @@ Json describe(const RasterInfo& info) {
             {"spacing_degrees", {{"lon", next.lon - first.lon}, {"lat", next.lat - first.lat}}}};
   json["nodata"] = info.nodata ? Json(*info.nodata) : Json();
   json["crs"] = crs_name(info.georeference);
+  json["body"] = info.body.name;
   json["vertical_crs"] = info.vertical ? Json(info.vertical->name) : Json();
   json["unit"] = info.unit.empty() ? "m" : info.unit;
   return json;
@@ -94,8 +95,9 @@ void print_text(const RasterInfo& info, const RasterFindings& found) {
   fmt::print("  west {} south {} east {} north {}, about {:.6g} x {:.6g} degrees from post to post\n",
              info.bounds.west, info.bounds.south, info.bounds.east, info.bounds.north, next.lon - first.lon,
              first.lat - next.lat);
-  fmt::print("  CRS: {}; heights in {} above {}\n", crs_name(info.georeference),
-             info.unit.empty() ? "m" : info.unit, info.vertical ? info.vertical->name : "an unknown datum");
+  fmt::print("  CRS: {}{}; heights in {} above {}\n", crs_name(info.georeference),
+             info.body.is_earth() ? "" : " on " + info.body.name, info.unit.empty() ? "m" : info.unit,
+             info.vertical ? info.vertical->name : "an unknown datum");
   if (found.voids == found.posts) {
     fmt::print("  all posts are void\n");
     return;
