@@ -204,6 +204,13 @@ void add_pack(py::module_& module) {
           "quantum_m", [](const Pack& p) { return p.reader().header().quantum_m; },
           "The step in which heights are stored, in metres.")
       .def_property_readonly(
+          "body",
+          [](const Pack& p) {
+            const Body& body = p.reader().header().body;
+            return py::make_tuple(body.name, body.shape.semi_major_m, body.shape.semi_minor_m);
+          },
+          "The body's name and the semi-axes of its ellipsoid in metres.")
+      .def_property_readonly(
           "vertical_datum", [](const Pack& p) { return std::string(p.reader().header().datum_name()); },
           "What heights are measured from: unknown, egm96, ellipsoid or another name.")
       .def_property_readonly(
