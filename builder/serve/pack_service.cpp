@@ -80,6 +80,7 @@ HttpAnswer PackService::answer_with_pack(const HttpRequest& request) const {
   const auto pack = served->now();
   if (!pack) return error_answer(503, pack.error().message);
   if (request.path.starts_with("/terrarium/")) return answer_terrarium(request, name, **pack, rest);
+  if (request.path.starts_with("/quantized-mesh/")) return answer_quantized_mesh(request, name, **pack, rest);
   return rest.empty() ? answer_with_file(request, (*pack)->served)
                       : error_answer(404, "path: expected /packs/NAME, found " + request.path);
 }
@@ -87,7 +88,8 @@ HttpAnswer PackService::answer_with_pack(const HttpRequest& request) const {
 HttpAnswer PackService::answer(const HttpRequest& request) const {
   if (request.path == "/packs.json") return list();
   if (request.path == "/heights") return answer_heights(request, packs_);
-  if (request.path.starts_with("/packs/") || request.path.starts_with("/terrarium/"))
+  if (request.path.starts_with("/packs/") || request.path.starts_with("/terrarium/") ||
+      request.path.starts_with("/quantized-mesh/"))
     return answer_with_pack(request);
   if (auto file = page_.answer(request)) return *file;
   if (request.path == "/")
@@ -95,8 +97,10 @@ HttpAnswer PackService::answer(const HttpRequest& request) const {
             {{"Content-Type", "text/plain; charset=utf-8"}, {"Cache-Control", "no-cache"}},
             "cairn serve: the page is not installed here. /packs.json lists the packs.\n",
             {}};
-  return error_answer(
-      404, "path: expected /, /packs.json, /packs/NAME, /heights or /terrarium/NAME, found " + request.path);
+  return error_answer(404,
+                      "path: expected /, /packs.json, /packs/NAME, /heights, /terrarium/NAME or "
+                      "/quantized-mesh/NAME, found " +
+                          request.path);
 }
 
 }  // namespace cairn

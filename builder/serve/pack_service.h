@@ -13,8 +13,8 @@
 namespace cairn {
 
 /// What a server of packs answers: the page at /, a list of the packs at /packs.json, their bytes at
-/// /packs/NAME, heights at /heights and tiles at /terrarium/NAME/. Only the files that were named when it was
-/// opened can be reached. Any number of threads may ask.
+/// /packs/NAME, heights at /heights and tiles at /terrarium/NAME/ and /quantized-mesh/NAME/. Only the files
+/// that were named when it was opened can be reached. Any number of threads may ask.
 class PackService {
  public:
   /// `page` is the folder of the page's files, where there is one. usage where two packs have one name.

@@ -46,7 +46,16 @@ bool is_same_file(const struct stat& a, const struct stat& b) {
 
 OpenedPack::OpenedPack(PackReader r, ServedFile f)
     : reader(std::move(r)), served(std::move(f)), tiles(reader, kKeptTiles) {
-  if (reader.levels(Layer::heights)) patches.emplace(reader, accuracy_of(reader).finest_error_m);
+  if (!reader.levels(Layer::heights)) return;
+  const PackAccuracy accuracy = accuracy_of(reader);
+  patches.emplace(reader, accuracy.finest_error_m);
+  const VerticalDatum datum = reader.header().vertical_datum;
+  shift.datum = datum;
+  if (reader.header().other_datum.empty())
+    if (auto found = vertical_shift(datum, ExportHeights::ellipsoidal, {})) shift = std::move(*found);
+  auto plan = QuantizedMeshPlan::make(reader, *patches, accuracy.finest_error_m,
+                                      {std::nullopt, std::nullopt, std::nullopt, bool(shift.metres)});
+  if (plan) meshes.emplace(std::move(*plan));
 }
 
 ServedPack::ServedPack(std::filesystem::path path, struct stat state,

@@ -10,6 +10,8 @@
 
 #include "builder/export/metre_tiles.h"
 #include "builder/export/pack_patches.h"
+#include "builder/export/quantized_mesh_plan.h"
+#include "builder/export/vertical_shift.h"
 #include "builder/serve/file_answer.h"
 #include "cairn/pack_reader.h"
 
@@ -23,6 +25,10 @@ struct OpenedPack {
   ServedFile served;                   ///< the file that the reader reads
   std::optional<PackPatches> patches;  ///< where the pack has heights
   mutable MetreTiles tiles;
+  /// What makes heights those above the ellipsoid, which CesiumJS draws; nothing where the pack's datum is
+  /// unknown or no geoid is installed: heights are then as stored.
+  VerticalShift shift;
+  std::optional<QuantizedMeshPlan> meshes;  ///< where tiles can be made of the pack's heights
 };
 
 /// A pack that is served under its file's name. Where the file is replaced, the new one is opened, and

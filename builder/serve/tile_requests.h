@@ -13,4 +13,9 @@ namespace cairn {
 HttpAnswer answer_terrarium(const HttpRequest& request, const std::string& pack_name, const OpenedPack& pack,
                             const std::string& rest);
 
+/// Answers requests for quantized-mesh tiles: `rest` is "layer.json" or "LEVEL/X/Y.terrain". Tiles are those
+/// of an export as quantized-mesh, each measured when it is made.
+HttpAnswer answer_quantized_mesh(const HttpRequest& request, const std::string& pack_name,
+                                 const OpenedPack& pack, const std::string& rest);
+
 }  // namespace cairn

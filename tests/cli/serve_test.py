@@ -75,7 +75,7 @@ class ServeTest(unittest.TestCase):
         cls.pack = cls.folder / "a fault.cairn"
         cls.other = cls.folder / "other.cairn"
         cairn("bake", dem, "-o", cls.pack, "--datum", "egm96")
-        cairn("bake", dem, "-o", cls.other, "--datum", "egm96", "--max-error", "5")
+        cairn("bake", dem, "-o", cls.other, "--datum", "ellipsoid", "--max-error", "5")
         (cls.folder / "secret.txt").write_text("SECRET")
         cls.bytes = cls.pack.read_bytes()
         cls.server = Server(cls.pack, cls.other)
@@ -146,7 +146,7 @@ class ServeTest(unittest.TestCase):
                  "%2fetc%2fpasswd", "a%20fault.cairn/../secret.txt", "a%20fault.cairn/..", "a%20fault.cairn%00.txt", ".", "..", "",
                  "....//secret.txt", str(self.folder / "secret.txt"), "~/secret.txt", "%252e%252e%252fsecret.txt", "A FAULT.cairn",
                  "file:///etc/passwd", "\\secret.txt", "a%20fault.cairn/", "a+fault.cairn"]
-        for prefix in ["/packs/", "/terrarium/", "/", "/page/", "//"]:
+        for prefix in ["/packs/", "/terrarium/", "/quantized-mesh/", "/", "/page/", "//"]:
             for name in names:
                 answer = self.server.send(f"GET {prefix}{name} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n".encode())
                 self.assertNotIn(b"SECRET", answer)
@@ -228,6 +228,22 @@ class ServeTest(unittest.TestCase):
         for tile in ["0/1/0.png", "-1/0/0.png", "99/0/0.png", "10/272/399.jpg", "10/272/399", "1e1/0/0.png", "10/0/0.png",
                      "10/99999999999999999999/0.png", "10/272/399.png/x"]:
             self.assertEqual(self.server.ask("/terrarium/a%20fault.cairn/" + tile)[0], 404, tile)
+
+    def test_quantized_mesh(self):
+        out = self.folder / "meshes"
+        cairn("export", self.other, "-o", out, "--format", "quantized-mesh")
+        layer = json.loads(self.server.ask("/quantized-mesh/other.cairn/layer.json")[2])
+        written = json.loads((out / "layer.json").read_text())
+        self.assertEqual((layer["format"], layer["maxzoom"]), ("quantized-mesh-1.0", written["maxzoom"]))
+        self.assertEqual(layer["vertical_datum"], "ellipsoid")
+        tiles = sorted(out.glob("*/*/*.terrain"))
+        for tile in tiles[:6] + tiles[-6:]:
+            status, fields, data = self.server.ask(f"/quantized-mesh/other.cairn/{tile.relative_to(out)}?v=1")
+            self.assertEqual((status, fields["Content-Type"]), (200, "application/vnd.quantized-mesh"))
+            self.assertEqual(data, tile.read_bytes(), tile)
+        for tile in ["0/2/0.terrain", "0/0/1.terrain", "31/0/0.terrain", "99/0/0.terrain", "a/0/0.terrain", "0/0/0", "8/0/0.terrain",
+                     "0/-1/0.terrain", "0/99999999999999/0.terrain", "../layer.json"]:
+            self.assertEqual(self.server.ask("/quantized-mesh/other.cairn/" + tile)[0], 404, tile)
 
     def test_a_thousand_clients_at_once(self):
         async def client(i, barrier):
