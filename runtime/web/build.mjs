@@ -11,6 +11,12 @@ const here = dirname(fileURLToPath(import.meta.url));
 const modules = join(work, "node_modules");
 const { build } = createRequire(join(work, "package.json"))("esbuild");
 
+// 0. A function that the modules lack would be a silent import: what they import is known.
+const known = ["cairn_unzstd", "emscripten_notify_memory_growth", "proc_exit", "fd_close", "fd_write", "fd_seek"];
+for (const name of ["cairn-pack.wasm", "cairn-pack-simd.wasm"])
+  for (const { name: wanted } of WebAssembly.Module.imports(new WebAssembly.Module(readFileSync(join(out, name)))))
+    if (!known.includes(wanted)) throw new Error(`${name}: expected no import but ${known.join(", ")}, found ${wanted}`);
+
 // 1. The sources beside their packages, so that both compilers find these.
 const source = join(work, "source");
 rmSync(source, { recursive: true, force: true });

@@ -1,6 +1,6 @@
 // The page in headless Chromium, against `cairn serve` behind 80 ms of latency. Environment: CAIRN, the program;
 // CAIRN_PACK, a pack with heights and imagery; CAIRN_MODULES, a folder with puppeteer-core; CAIRN_PICTURES, where
-// pictures go (optional).
+// pictures go (optional); CAIRN_WASM, the built page.
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
 import { copyFileSync, existsSync, mkdtempSync, readFileSync, renameSync, rmSync } from "node:fs";
@@ -9,6 +9,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { SlowProxy } from "./slow_proxy.mjs";
+import { serveFolders } from "./static_server.mjs";
 
 const { CAIRN: cairn, CAIRN_PACK: packPath, CAIRN_MODULES: modules, CAIRN_PICTURES: pictures } = process.env;
 const chromium = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
@@ -195,6 +196,19 @@ test("the first view: bytes, requests, no error; heights bit for bit; controls",
   assert.deepEqual(phone.errors, []);
   await phone.page.close();
   proxy.close();
+});
+
+test("the page flies over a pack from a plain file server; a file that is no pack is said in words", async () => {
+  const { server, url } = await serveFolders({ web: process.env.CAIRN_WASM, packs: folder });
+  const { page } = await openPage(`${url}/web/#pack=../packs/pack.cairn`);
+  await page.waitForFunction(() => globalThis.cairn?.pack.header.tileSize > 0);
+  assert.equal(await page.evaluate(() => globalThis.cairn.pack.source.counts.requests > 0), true);
+  await page.goto("about:blank");
+  await page.goto(`${url}/web/#pack=style.css`);
+  assert.match(await messageOf(page), /style\.css: expected bytes 0-16383, found a file of \d+ bytes/);
+  await page.close();
+  server.closeAllConnections();
+  server.close();
 });
 
 /** Reads a block of heights in the page, past what is kept; returns the error's kind and words. */
