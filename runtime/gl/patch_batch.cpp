@@ -20,7 +20,7 @@ struct Command {
 static_assert(sizeof(Command) == 20);
 
 // A buffer that grows is copied, and its new memory is touched for the first time: both in one frame.
-constexpr std::uint64_t kFirstVertices = 1 << 19, kFirstIndices = 1 << 21;
+constexpr std::uint64_t kFirstVertices = 1 << 20, kFirstIndices = 1 << 22;
 
 }  // namespace
 

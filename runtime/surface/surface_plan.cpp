@@ -90,7 +90,7 @@ SurfaceMesh SurfaceMesher::frame(std::span<const SurfaceArea> areas, const Surfa
   }
   append_walls(plan.partition, plan.joints, mesh_.walls);
   mesh_.triangles += mesh_.walls.indices.size() / 3;
-  if (frame_ % kKeptFrames == 0) drop_unused();
+  if (frame_ % kFramesPerDrop == 0) drop_unused();
   mesh_.vertex_end = vertices_.end();
   mesh_.index_end = indices_.end();
   return std::exchange(mesh_, {});

@@ -36,7 +36,7 @@ class SurfaceMesher {
   SurfaceMesh frame(std::span<const SurfaceArea> areas, const SurfaceRules& rules);
 
  private:
-  static constexpr std::uint64_t kKeptFrames = 8;
+  static constexpr std::uint64_t kKeptFrames = 8, kFramesPerDrop = 4;
 
   /// What a patch's triangles depend on.
   struct Key {
