@@ -299,20 +299,37 @@ PostEquations::Fit ProjectedResampler::resample(std::span<const float> heights,
 
 double posts_per_degree(const Georeference& georeference, IndexWindow posts) {
   double shortest = INFINITY;
+  const auto add = [&](double column, double row) {
+    const LonLat here = georeference.place_of(column, row);
+    for (const LonLat next :
+         {georeference.place_of(column + 1, row), georeference.place_of(column, row + 1),
+          georeference.place_of(column + 1, row + 1), georeference.place_of(column + 1, row - 1)}) {
+      const double step = longer_side(here, next);
+      if (std::isfinite(step)) shortest = std::min(shortest, step);
+    }
+  };
   constexpr int steps = 16;
+  const auto part_of = [](IndexRange range, int i) {
+    return static_cast<double>(range.first) + static_cast<double>(range.count() - 1) * i / steps;
+  };
   for (int i = 0; i <= steps; ++i) {
-    for (int k = 0; k <= steps; ++k) {
-      const double column =
-          static_cast<double>(posts.x.first) + static_cast<double>(posts.x.count() - 1) * i / steps;
-      const double row =
-          static_cast<double>(posts.y.first) + static_cast<double>(posts.y.count() - 1) * k / steps;
-      const LonLat here = georeference.place_of(column, row);
-      for (const LonLat next :
-           {georeference.place_of(column + 1, row), georeference.place_of(column, row + 1),
-            georeference.place_of(column + 1, row + 1), georeference.place_of(column + 1, row - 1)}) {
-        const double step = longer_side(here, next);
-        if (std::isfinite(step)) shortest = std::min(shortest, step);
-      }
+    for (int k = 0; k <= steps; ++k) add(part_of(posts.x, i), part_of(posts.y, k));
+  }
+  // Around a pole neighbours are far apart in longitude, but on the four lines of posts that are meridians.
+  for (const double lat : {-90.0, 90.0}) {
+    const auto pole = georeference.post_at({0, lat}), again = georeference.post_at({100, lat});
+    const double apart = std::abs(pole.column - again.column) + std::abs(pole.row - again.row);
+    if (!(apart < 0.01)) continue;
+    const auto add_inside = [&](double column, double row) {
+      if (column >= static_cast<double>(posts.x.first) && column <= static_cast<double>(posts.x.last) &&
+          row >= static_cast<double>(posts.y.first) && row <= static_cast<double>(posts.y.last))
+        add(column, row);
+    };
+    for (int i = 0; i <= steps; ++i) {
+      const double column = part_of(posts.x, i);
+      add_inside(pole.column, part_of(posts.y, i));
+      for (const double slope : {-1.0, 0.0, 1.0})
+        add_inside(column, pole.row + slope * (column - pole.column));
     }
   }
   return 1 / shortest;

@@ -61,6 +61,7 @@ Result<ColourEncoding> colours_of_tiff(const TiffLayout& layout, std::optional<d
   }
   const bool is_rgb = e.palette.empty() && layout.bands - (e.alpha ? 1 : 0) >= 3;
   e.channels = is_rgb ? std::vector{0, 1, 2} : std::vector{0};
+  if (is_rgb && !layout.red_green_blue.empty()) e.channels = layout.red_green_blue;
   return e;
 }
 

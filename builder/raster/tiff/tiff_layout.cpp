@@ -61,6 +61,14 @@ void believe_gdal(const TiffHandle& handle, TiffLayout& layout) {
     const auto kind = gdal_metadata_item(metadata, "colorinterp", colours + static_cast<int>(i));
     if (kind && *kind != "Alpha") layout.extra_samples[i] = EXTRASAMPLE_UNSPECIFIED;
   }
+  for (const std::string_view colour : {"Red", "Green", "Blue"}) {
+    for (int band = 0; band < layout.bands; ++band)
+      if (gdal_metadata_item(metadata, "colorinterp", band) == colour) {
+        layout.red_green_blue.push_back(band);
+        break;
+      }
+  }
+  if (layout.red_green_blue.size() != 3) layout.red_green_blue.clear();
 }
 
 Status read_samples(const std::filesystem::path& path, const TiffHandle& handle, TiffLayout& layout) {

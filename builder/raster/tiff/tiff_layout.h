@@ -26,6 +26,7 @@ struct TiffLayout {
   std::uint16_t compression = 1;
   std::uint16_t photometric = 1;
   std::vector<std::uint16_t> extra_samples;
+  std::vector<int> red_green_blue;    ///< the bands of these, from 0, where GDAL notes them; else empty
   std::vector<std::uint8_t> palette;  ///< R, G, B of each index, where the photometric is a palette
 
   std::int64_t chunks_across() const { return (columns + chunk_columns - 1) / chunk_columns; }

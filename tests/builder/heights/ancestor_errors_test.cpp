@@ -7,6 +7,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "builder/heights/geometric_error.h"
+
 namespace cairn {
 namespace {
 
@@ -176,6 +178,25 @@ TEST_CASE("tiles with voids or impossible heights are not measured this way") {
   tile.samples[5] = 0;
   tile.voids.assign(tile.samples.size(), 0);
   REQUIRE_FALSE(AncestorErrors::can_measure(tile));
+}
+
+TEST_CASE("a tile that overhangs 180 degrees leaves the posts beyond to the tile at 180 degrees west") {
+  PostCounting counting;
+  counting.window.columns = counting.window.rows = kSize;
+  counting.antimeridian = 16;
+  MeasuredPosts posts;
+  posts.xs = {0, 7.5, 15.5, 16, 16.5, 40, 64};
+  posts.ys = {0, 33, 64};
+  for (const bool is_last : {false, true}) {
+    counting.count_east = counting.count_north = counting.count_north_east = is_last;
+    counting.count_north_west = is_last;
+    std::uint64_t counted = 0;
+    for (const double y : posts.ys)
+      for (const double x : posts.xs) counted += counting.counts(x, y) ? 1 : 0;
+    // With the line itself, and the northern edge, where no tile lies beyond.
+    CHECK(counted == (is_last ? 4 * 3 : 3 * 2));
+    CHECK(counting.count(posts) == counted);
+  }
 }
 
 }  // namespace cairn

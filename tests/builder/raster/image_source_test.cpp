@@ -227,6 +227,18 @@ TEST_CASE("TIFF colours: a fourth band is alpha only where the file says so, and
       CHECK(pixel(rgba, 1) == Pixel{10, 20, 30, 255});
       CHECK(pixel(rgba, 2) == Pixel{0, 20, 30, 255});
     }
+  // GDAL's note of near infrared, red, green and blue.
+  recipe.photometric = 1, recipe.extra_samples = {0, 0, 0}, recipe.gdal_metadata = "<GDALMetadata>";
+  for (const auto& [band, colour] : {std::pair{1, "Red"}, {2, "Green"}, {3, "Blue"}})
+    recipe.gdal_metadata += "<Item name=\"COLORINTERP\" sample=\"" + std::to_string(band) +
+                            "\" role=\"colorinterp\">" + colour + "</Item>";
+  recipe.gdal_metadata += "</GDALMetadata>";
+  for (const bool planar : {false, true}) {
+    recipe.planar = planar;
+    write_tiff(path, recipe);
+    CHECK(pixel(all_colours(*opened(path)), 1) == Pixel{20, 30, 0, 255});
+  }
+  recipe.photometric = 2, recipe.gdal_metadata.clear();
   recipe.extra_samples = {2};
   write_tiff(path, recipe);
   CHECK(pixel(all_colours(*opened(path)), 1) == Pixel{10, 20, 30, 0});

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
+#include <span>
 
 #include <catch2/catch.hpp>
 
@@ -14,6 +16,20 @@ struct Case {
   Georeference georeference;
   double samples_per_degree;
   LonLat middle;
+};
+
+/// The azimuthal equidistant plane around the north pole of a sphere, in degrees.
+class PolarPlane final : public CrsTransform {
+ public:
+  void to_degrees(std::span<LonLat> places) const override {
+    for (LonLat& p : places) p = {std::atan2(p.lon, -p.lat) * 180 / M_PI, 90 - std::hypot(p.lon, p.lat)};
+  }
+  void from_degrees(std::span<LonLat> places) const override {
+    for (LonLat& p : places) {
+      const double away = 90 - p.lat, lon = p.lon * M_PI / 180;
+      p = {away * std::sin(lon), -away * std::cos(lon)};
+    }
+  }
 };
 
 // Grids turned against the meridians by up to 3°, and densities from 1.04 samples a post.
@@ -153,6 +169,17 @@ TEST_CASE("posts a degree are counted along the closer axis, and too coarse a le
   CHECK_FALSE(ProjectedResampler(utm, posts, 3700).is_well_conditioned());
   const Georeference degrees{Georeference::Crs::geographic, 0, true, 8, 47, 1 / 1200.0, -1 / 600.0};
   CHECK(posts_per_degree(degrees, posts) == Approx(1200));
+}
+
+TEST_CASE("around a pole, wherever it lies among the posts, their density is that along its meridians") {
+  Georeference polar{Georeference::Crs::other, 0, true, 0, 0, 1 / 500.0, -1 / 500.0};
+  polar.transform = std::make_shared<PolarPlane>();
+  for (const auto& [column, row] : {std::pair{22.5, 28.5}, {3.0, 40.25}, {-5.5, 17.5}}) {
+    CAPTURE(column, row);
+    polar.x0 = -column / 500;
+    polar.y0 = row / 500;
+    CHECK(posts_per_degree(polar, {{0, 47}, {0, 47}}) == Approx(500));
+  }
 }
 
 }  // namespace cairn
