@@ -6,6 +6,7 @@
 #include "builder/raster/body_placement.h"
 #include "builder/raster/footprint.h"
 #include "builder/raster/gdal_name.h"
+#include "builder/raster/source_overrides.h"
 
 namespace cairn {
 namespace {
@@ -83,22 +84,17 @@ std::vector<std::filesystem::path> files_of(const BuildOptions& options) {
   return files;
 }
 
-Result<BakePlan> plan_bake(const BuildOptions& options, int threads) {
-  BakePlan layers;
-  const bool with_imagery = !options.imagery.inputs.empty();
-  if (!options.mosaic.inputs.empty()) {
-    auto mosaic = Mosaic::open(options.mosaic, options.grid.tile_size);
-    if (!mosaic) return mosaic.error();
-    layers.heights = std::move(*mosaic);
+namespace {
+
+// Lays out the trees over the mosaics that are there.
+Status lay_out(const BuildOptions& options, int threads, BakePlan& layers) {
+  if (layers.heights) {
     auto plan = HeightPlan::make(*layers.heights, options.mosaic, options.heights, options.grid);
     if (!plan) return plan.error();
     layers.plan = std::move(*plan);
     layers.heights->set_tolerance(layers.plan->tolerance());
   }
-  if (with_imagery) {
-    auto mosaic = ImageryMosaic::open(options.imagery, options.grid.tile_size - 1);
-    if (!mosaic) return mosaic.error();
-    layers.imagery = std::move(*mosaic);
+  if (layers.imagery) {
     layers.imagery_tree = imagery_tree(layers, options.grid);
     if (!layers.heights && layers.imagery_tree->leaf_count() == 0)
       return usage_error("region: expected an area that the sources cover, found none");
@@ -108,6 +104,48 @@ Result<BakePlan> plan_bake(const BuildOptions& options, int threads) {
   layers.body = std::move(*body);
   if (auto datum = check_datum(layers, options); !datum) return datum.error();
   share_memory(options, threads, layers);
+  return {};
+}
+
+}  // namespace
+
+Result<BakePlan> plan_bake(const BuildOptions& options, int threads) {
+  BakePlan layers;
+  if (!options.mosaic.inputs.empty()) {
+    auto mosaic = Mosaic::open(options.mosaic, options.grid.tile_size);
+    if (!mosaic) return mosaic.error();
+    layers.heights = std::move(*mosaic);
+  }
+  if (!options.imagery.inputs.empty()) {
+    auto mosaic = ImageryMosaic::open(options.imagery, options.grid.tile_size - 1);
+    if (!mosaic) return mosaic.error();
+    layers.imagery = std::move(*mosaic);
+  }
+  if (auto status = lay_out(options, threads, layers); !status) return status.error();
+  return layers;
+}
+
+Result<BakePlan> plan_bake(KnownSources sources, const BuildOptions& options, int threads) {
+  BakePlan layers;
+  if (!sources.dems.empty()) {
+    OpenOptions open;
+    open.rules = options.mosaic.source_rules;
+    for (RasterInfo& info : sources.dems) info.overrides = overrides_of(info.path, open.rules);
+    auto pool = RasterPool::describe(std::move(sources.dems), std::move(sources.dems_available), open,
+                                     RasterPool::Content::heights);
+    auto mosaic =
+        Mosaic::over(std::move(pool), options.mosaic, options.grid.tile_size, sources.geoid_available);
+    if (!mosaic) return mosaic.error();
+    layers.heights = std::move(*mosaic);
+  }
+  if (!sources.images.empty()) {
+    const OpenOptions open{.bounds = options.imagery.bounds, .rules = options.imagery.source_rules};
+    for (RasterInfo& info : sources.images) info.overrides = overrides_of(info.path, open.rules);
+    auto pool = RasterPool::describe(std::move(sources.images), std::move(sources.images_available), open,
+                                     RasterPool::Content::colours);
+    layers.imagery = ImageryMosaic::over(std::move(pool), options.imagery, options.grid.tile_size - 1);
+  }
+  if (auto status = lay_out(options, threads, layers); !status) return status.error();
   return layers;
 }
 

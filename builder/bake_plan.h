@@ -32,4 +32,16 @@ std::vector<std::filesystem::path> files_of(const BuildOptions& options);
 /// Asks every source what it is, and lays out the trees of tiles.
 Result<BakePlan> plan_bake(const BuildOptions& options, int threads);
 
+/// Sources that were looked at before. Those that are not available are not read.
+struct KnownSources {
+  std::vector<RasterInfo> dems;
+  std::vector<RasterInfo> images;
+  std::vector<bool> dems_available;    ///< by DEM; empty where all are
+  std::vector<bool> images_available;  ///< likewise
+  bool geoid_available = true;
+};
+
+/// plan_bake() of sources that are known: `options.mosaic.inputs` and `options.imagery.inputs` are theirs.
+Result<BakePlan> plan_bake(KnownSources sources, const BuildOptions& options, int threads);
+
 }  // namespace cairn

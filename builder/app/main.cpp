@@ -36,6 +36,9 @@ int run(int argc, char** argv) {
       [](const CLI::App*, const CLI::Error& error) { return fmt::format("cairn: {}\n", error.what()); });
   int exit_code = 0;
   cairn::add_bake(app, exit_code);
+  cairn::add_plan(app, exit_code);
+  cairn::add_merge(app, exit_code);
+  cairn::add_update(app, exit_code);
   cairn::add_info(app, exit_code);
   cairn::add_verify(app, exit_code);
   cairn::add_diff(app, exit_code);

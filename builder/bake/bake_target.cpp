@@ -62,8 +62,12 @@ Status check_unfinished(const fs::path& path, std::span<const char> magic) {
 
 }  // namespace
 
+fs::path units_path(const fs::path& pack) {
+  return fs::path(pack).concat(".units");
+}
+
 Status check_target_is_no_input(const fs::path& target, std::span<const fs::path> inputs) {
-  for (const fs::path& output : {target, part_of(target), Journal::path_for(target)}) {
+  for (const fs::path& output : {target, part_of(target), Journal::path_for(target), units_path(target)}) {
     if (auto status = check_is_no_input(output, inputs); !status) return status;
   }
   return {};
@@ -79,9 +83,27 @@ Status check_target(const SessionOptions& options, std::span<const fs::path> inp
   if (exists && !may_be_replaced(target))
     return usage_error(target.string() + ": expected a pack to replace, found a file that is none");
   if (auto status = check_unfinished(part_of(target), kPackMagic); !status) return status;
-  if (auto status = check_unfinished(Journal::path_for(target), Journal::kMagic); !status) return status;
+  for (const fs::path& records : {Journal::path_for(target), units_path(target)}) {
+    if (auto status = check_unfinished(records, Journal::kMagic); !status) return status;
+  }
   if (options.resume || options.force || !Journal::fingerprint_of(target)) return {};
   return usage_error(part_of(target).string() + std::string(kWorkExists));
+}
+
+Status check_part_target(const SessionOptions& options, std::span<const fs::path> inputs) {
+  const fs::path& target = options.target;
+  for (const fs::path& output : {target, Journal::path_for(target)}) {
+    if (auto status = check_is_no_input(output, inputs); !status) return status;
+  }
+  if (auto status = check_can_be_file(target); !status) return status;
+  std::error_code ignored;
+  const bool exists = fs::exists(target, ignored);
+  if (exists && !options.force) return usage_error(target.string() + std::string(kTargetExists));
+  if (exists && !begins_with(first_bytes(target), Journal::kMagic))
+    return usage_error(target.string() + ": expected a part to replace, found a file that is none");
+  if (auto status = check_unfinished(Journal::path_for(target), Journal::kMagic); !status) return status;
+  if (options.resume || options.force || !Journal::fingerprint_of(target)) return {};
+  return usage_error(Journal::path_for(target).string() + std::string(kWorkExists));
 }
 
 }  // namespace cairn

@@ -84,6 +84,17 @@ std::optional<PlacedRecord> read_record(const File& file, std::uint64_t size, st
   return PlacedRecord{std::move(*record), {at, body + length}};
 }
 
+// Nullopt where the file holds no record, or was not identified.
+std::optional<std::uint64_t> read_fingerprint(const File& file) {
+  const std::uint64_t size = file.size().ok() ? *file.size() : 0;
+  std::array<std::byte, kHeaderBytes> header{};
+  if (size <= kHeaderBytes || !file.read(0, header)) return std::nullopt;
+  ByteReader reader(header);
+  const auto magic = reader.take(Journal::kMagic.size());
+  if (std::memcmp(magic.data(), Journal::kMagic.data(), magic.size()) != 0) return std::nullopt;
+  return reader.read<std::uint64_t>();
+}
+
 }  // namespace
 
 std::filesystem::path Journal::path_for(const std::filesystem::path& target) {
@@ -120,13 +131,7 @@ Result<Journal> Journal::reopen(const std::filesystem::path& target,
 
 std::optional<std::uint64_t> Journal::fingerprint_of(const std::filesystem::path& target) {
   const auto file = File::open_to_read(path_for(target));
-  if (!file) return std::nullopt;
-  const std::uint64_t size = file->size().ok() ? *file->size() : 0;
-  std::array<std::byte, kHeaderBytes> header{};
-  if (size <= kHeaderBytes || !file->read(0, header)) return std::nullopt;
-  ByteReader reader(header);
-  if (std::memcmp(reader.take(kMagic.size()).data(), kMagic.data(), kMagic.size()) != 0) return std::nullopt;
-  return reader.read<std::uint64_t>();
+  return file ? read_fingerprint(*file) : std::nullopt;
 }
 
 std::vector<RecordPlace> Journal::find_records(const std::filesystem::path& target, std::uint64_t fingerprint,
@@ -169,6 +174,43 @@ Status Journal::append(const UnitRecord& record) {
   if (auto status = file_.write(end_ + bytes.size(), record.root); !status) return status;
   end_ += bytes.size() + record.root.size();
   return {};
+}
+
+Status Journal::keep_as(const std::filesystem::path& name) {
+  if (auto status = file_.sync(); !status) return status;
+  return rename_durably(file_.path(), name);
+}
+
+JournalReader::JournalReader(File file, std::uint64_t fingerprint, std::uint64_t size)
+    : file_(std::move(file)), fingerprint_(fingerprint), size_(size), at_(kHeaderBytes) {}
+
+Result<JournalReader> JournalReader::open(const std::filesystem::path& path) {
+  auto file = File::open_to_read(path);
+  if (!file) return file.error();
+  const auto size = file->size();
+  if (!size) return size.error();
+  const auto fingerprint = read_fingerprint(*file);
+  if (!fingerprint)
+    return bad_data(path.string() + ": expected the records of a bake, found another file or an empty one");
+  return JournalReader(std::move(*file), *fingerprint, *size);
+}
+
+Result<std::optional<UnitRecord>> JournalReader::next() {
+  if (at_ == size_) return std::optional<UnitRecord>();
+  auto found = read_record(file_, size_, at_);
+  if (!found)
+    return bad_data(file_.path().string() + ": the record at byte " + std::to_string(at_) +
+                    ": expected a whole one, found it damaged or cut off");
+  at_ = found->place.end;
+  return std::optional<UnitRecord>(std::move(found->record));
+}
+
+Result<UnitRecord> JournalReader::read(const RecordPlace& place) const {
+  auto found = read_record(file_, place.end, place.start);
+  if (!found)
+    return bad_data(file_.path().string() + ": the record at byte " + std::to_string(place.start) +
+                    ": expected it as it was, found it damaged");
+  return std::move(found->record);
 }
 
 }  // namespace cairn

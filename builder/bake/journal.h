@@ -65,10 +65,40 @@ class Journal {
   /// Returns whether it holds no record yet.
   bool is_empty() const;
 
+  /// Gives the journal another name, once it is on the disk: it becomes a file of its own. Nothing may be
+  /// called after it.
+  Status keep_as(const std::filesystem::path& name);
+
  private:
   explicit Journal(File file) : file_(std::move(file)) {}
   File file_;
   std::uint64_t end_ = 0;
+};
+
+/// Reads the records of a journal that was kept, one after the other.
+class JournalReader {
+ public:
+  /// The error is bad_data where the file is no journal, or was never identified.
+  static Result<JournalReader> open(const std::filesystem::path& path);
+
+  std::uint64_t fingerprint() const { return fingerprint_; }
+  std::uint64_t bytes() const { return size_; }
+  std::uint64_t position() const { return at_; }
+  /// REQUIRES: position() was that before next(), of any reader of the file.
+  void go_to(std::uint64_t position) { at_ = position; }
+
+  /// Returns nullopt at the end. The error is bad_data where a record is damaged or not whole.
+  Result<std::optional<UnitRecord>> next();
+
+  /// Reads a record again. The error is bad_data where it is damaged.
+  Result<UnitRecord> read(const RecordPlace& place) const;
+
+ private:
+  JournalReader(File file, std::uint64_t fingerprint, std::uint64_t size);
+  File file_;
+  std::uint64_t fingerprint_ = 0;
+  std::uint64_t size_ = 0;
+  std::uint64_t at_ = 0;
 };
 
 }  // namespace cairn

@@ -50,8 +50,12 @@ void TileTree::walk(const TileId& id, const Visit& visit) const {
 }
 
 std::vector<TileId> TileTree::units() const {
+  return units(kEarth);
+}
+
+std::vector<TileId> TileTree::units(const TileId& subtree) const {
   std::vector<TileId> units;
-  walk(kEarth, [&](const TileId& id) {
+  walk(subtree, [&](const TileId& id) {
     if (finest_within(id) - id.level > kLevelsInUnit) return true;
     units.push_back(id);
     return false;

@@ -39,6 +39,8 @@ class TileTree {
 
   /// Subtrees of at most 16 leaves, in the order of the walk: what one task does.
   std::vector<TileId> units() const;
+  /// Those of one subtree, whose root is no finer than a unit's.
+  std::vector<TileId> units(const TileId& subtree) const;
   /// The leaves of a unit, in the order of the walk.
   std::vector<TileId> leaves(const TileId& unit) const;
   std::uint64_t leaf_count() const;

@@ -164,18 +164,39 @@ ImageryMosaic::Image ImageryMosaic::describe(std::size_t source) const {
 }
 
 Result<std::unique_ptr<ImageryMosaic>> ImageryMosaic::open(const ImageryOptions& options, int size) {
-  std::unique_ptr<ImageryMosaic> mosaic(new ImageryMosaic);
-  mosaic->size_ = size;
-  mosaic->feather_pixels_ = options.feather_pixels;
   auto pool = RasterPool::open(options.inputs, {.bounds = options.bounds, .rules = options.source_rules},
                                RasterPool::Content::colours);
   if (!pool) return pool.error();
-  mosaic->pool_ = std::move(*pool);
+  return over(std::move(*pool), options, size);
+}
+
+std::unique_ptr<ImageryMosaic> ImageryMosaic::over(std::unique_ptr<RasterPool> pool,
+                                                   const ImageryOptions& options, int size) {
+  std::unique_ptr<ImageryMosaic> mosaic(new ImageryMosaic);
+  mosaic->size_ = size;
+  mosaic->feather_pixels_ = options.feather_pixels;
+  mosaic->pool_ = std::move(pool);
   for (std::size_t s = 0; s < mosaic->pool_->size(); ++s) mosaic->images_.push_back(mosaic->describe(s));
   std::stable_sort(mosaic->images_.begin(), mosaic->images_.end(), [](const Image& a, const Image& b) {
     return a.pixels_per_degree > b.pixels_per_degree * (1 + 1e-6);
   });
   return mosaic;
+}
+
+// What sample() and native_level() ask of an image, and a little more.
+std::vector<std::size_t> ImageryMosaic::sources_near(const GeoBounds& area) const {
+  std::vector<std::size_t> found;
+  for (const Image& image : images_) {
+    const double margin = 1 / image.pixels_per_degree;
+    const GeoBounds b = image.outline.bounds();
+    const bool around = b.width() > 360 - margin;
+    const bool near = std::any_of(kTurns.begin(), kTurns.end(), [&](double turn) {
+      return b.touches(
+          {area.west + turn - margin, area.south - margin, area.east + turn + margin, area.north + margin});
+    });
+    if (around || near) found.push_back(image.source);
+  }
+  return found;
 }
 
 GeoBounds ImageryMosaic::bounds() const {

@@ -19,6 +19,10 @@ class ImageryMosaic {
   /// Tiles have `size` texels a side.
   static Result<std::unique_ptr<ImageryMosaic>> open(const ImageryOptions& options, int size);
 
+  /// open() of images that were looked at before: `options.inputs` do not count.
+  static std::unique_ptr<ImageryMosaic> over(std::unique_ptr<RasterPool> pool, const ImageryOptions& options,
+                                             int size);
+
   /// What may be kept of the sources. Before any sample() only.
   void set_cache_bytes(std::size_t bytes) { pool_->set_cache_bytes(bytes); }
 
@@ -30,6 +34,9 @@ class ImageryMosaic {
   /// The finest level that any image needs that touches the tile: the first whose texels are no larger than
   /// its pixels. nullopt where none touches it. It may be coarser than the tile.
   std::optional<int> native_level(const TileId& id) const;
+
+  /// The images that texels of the area can depend on, by number in the pool, the topmost first.
+  std::vector<std::size_t> sources_near(const GeoBounds& area) const;
 
   /// Safe to call from several threads.
   Result<LinearImage> sample(const TexelWindow& window) const;

@@ -31,19 +31,25 @@ double default_error_bound(bool whole_metres) {
 }  // namespace
 
 Result<std::unique_ptr<Mosaic>> Mosaic::open(const MosaicOptions& options, int tile_size) {
-  std::unique_ptr<Mosaic> mosaic(new Mosaic);
-  mosaic->tile_size_ = tile_size;
   OpenOptions open_options;
   open_options.cache_bytes = kFirstCacheBytes;
   open_options.rules = options.source_rules;
   auto pool = RasterPool::open(options.inputs, open_options, RasterPool::Content::heights);
   if (!pool) return pool.error();
-  mosaic->pool_ = std::move(*pool);
-  if (auto dems = refuse_companions(*mosaic->pool_); !dems) return dems.error();
+  if (auto dems = refuse_companions(**pool); !dems) return dems.error();
+  return over(std::move(*pool), options, tile_size, true);
+}
+
+Result<std::unique_ptr<Mosaic>> Mosaic::over(std::unique_ptr<RasterPool> pool, const MosaicOptions& options,
+                                             int tile_size, bool open_geoid) {
+  std::unique_ptr<Mosaic> mosaic(new Mosaic);
+  mosaic->tile_size_ = tile_size;
+  mosaic->pool_ = std::move(pool);
   auto datum = vertical_datum_of(*mosaic->pool_, options.datum, options.geoid.has_value());
   if (!datum) return datum.error();
   mosaic->datum_ = std::move(*datum);
-  if (options.geoid) {
+  mosaic->with_geoid_ = options.geoid.has_value();
+  if (options.geoid && open_geoid) {
     auto geoid = Geoid::open(*options.geoid);
     if (!geoid) return geoid.error();
     mosaic->geoid_ = std::move(*geoid);
@@ -138,7 +144,7 @@ void Mosaic::set_tolerance(const SmoothTolerance& tolerance) {
 }
 
 bool Mosaic::posts_are_samples() const {
-  return !geoid_ && groups_.size() == 1 && groups_.front()->posts_on_samples();
+  return !with_geoid_ && groups_.size() == 1 && groups_.front()->posts_on_samples();
 }
 
 bool Mosaic::covers(const TileId& id) const {

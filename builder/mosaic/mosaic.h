@@ -32,15 +32,23 @@ class Mosaic {
  public:
   static Result<std::unique_ptr<Mosaic>> open(const MosaicOptions& options, int tile_size);
 
+  /// open() of sources that were looked at before: `options.inputs` do not count. Where no post is going to be
+  /// read, the geoid need not be opened.
+  static Result<std::unique_ptr<Mosaic>> over(std::unique_ptr<RasterPool> pool, const MosaicOptions& options,
+                                              int tile_size, bool open_geoid);
+
   /// What may be kept of the sources and of what is resampled of them. Before any sample() only.
   void set_cache_bytes(std::size_t bytes);
 
   const RasterPool& pool() const { return *pool_; }
+  RasterPool& pool() { return *pool_; }
   /// Whether any source's posts lie on no lattice of longitude and latitude.
   bool has_projected_sources() const;
   /// Lets go of the sources' files and caches, once no more is read of them.
   void close_sources() { pool_->close(); }
   const std::vector<std::unique_ptr<SourceGroup>>& groups() const { return groups_; }
+  /// How the groups lie over one another, a layer for each.
+  const std::vector<GroupOverlay::Layer>& overlaid() const { return overlay_->layers(); }
 
   /// The finest level that any group needs.
   int finest_level() const;
@@ -79,6 +87,7 @@ class Mosaic {
 
   int tile_size_ = 513;
   std::unique_ptr<RasterPool> pool_;
+  bool with_geoid_ = false;
   std::optional<Geoid> geoid_;
   std::shared_ptr<ChunkCache> blocks_ = std::make_shared<ChunkCache>(0);  // of projected groups
   std::vector<std::unique_ptr<SourceGroup>> groups_;                      // highest priority first

@@ -25,9 +25,36 @@ Result<std::unique_ptr<RasterPool>> RasterPool::open(std::span<const std::filesy
   std::unique_ptr<RasterPool> pool(new RasterPool);
   pool->options_ = options;
   if (auto status = pool->ask_all(paths); !status) return status.error();
+  pool->has_voids_ = std::vector<std::atomic<char>>(paths.size());
   pool->content_ = content;
   pool->set_cache_bytes(options.cache_bytes);
   return pool;
+}
+
+std::unique_ptr<RasterPool> RasterPool::describe(std::vector<RasterInfo> infos, std::vector<bool> available,
+                                                 const OpenOptions& options, Content content) {
+  std::unique_ptr<RasterPool> pool(new RasterPool);
+  pool->options_ = options;
+  pool->has_voids_ = std::vector<std::atomic<char>>(infos.size());
+  pool->infos_ = std::move(infos);
+  pool->available_ = std::move(available);
+  pool->content_ = content;
+  pool->set_cache_bytes(options.cache_bytes);
+  return pool;
+}
+
+Result<std::unique_ptr<RasterSource>> RasterPool::open_source(std::size_t source,
+                                                              const OpenOptions& options) const {
+  const std::filesystem::path& path = infos_[source].path;
+  if (available_.empty() || available_[source]) return open_raster(path, options);
+  return failed(path.string() + ": expected no post of it to be needed here, found that some are");
+}
+
+void RasterPool::note_voids(std::size_t source, std::span<const float> heights) {
+  if (has_voids(source)) return;
+  int voids = 0;  // no early end, so that the loop is one of vectors
+  for (const float h : heights) voids |= h != h ? 1 : 0;
+  if (voids != 0) has_voids_[source] = 1;
 }
 
 // Nothing is decoded, so the sources need no cache yet.
@@ -82,12 +109,13 @@ Result<ChunkCache::Chunk> RasterPool::read_whole(std::size_t source) {
   const RasterInfo& info = infos_[source];
   OpenOptions options = options_;
   options.cache_bytes = 4 * most_whole_bytes_;
-  const auto raster = open_raster(info.path, options);
+  const auto raster = open_source(source, options);
   if (!raster) return raster.error();
   ChunkCache::Chunk posts(bytes_as_floats(info));
   const std::span<float> heights(reinterpret_cast<float*>(posts.data()), posts.size() / sizeof(float));
   const Status read = (*raster)->read_heights({0, 0, info.columns, info.rows}, heights);
   if (!read) return read.error();
+  note_voids(source, heights);
   return posts;
 }
 
@@ -95,7 +123,10 @@ Status RasterPool::read_heights(std::size_t source, const PostWindow& window, st
   const RasterInfo& info = infos_[source];
   if (!is_small(info)) {
     const auto raster = acquire(source);
-    return raster ? (*raster)->read_heights(window, out) : Status(raster.error());
+    if (!raster) return raster.error();
+    if (auto status = (*raster)->read_heights(window, out); !status) return status;
+    note_voids(source, out);
+    return {};
   }
   assert(out.size() == static_cast<std::size_t>(window.columns * window.rows));
   const std::shared_ptr<ChunkCache> cache = posts();
@@ -117,7 +148,7 @@ Result<std::shared_ptr<const RasterSource>> RasterPool::acquire(std::size_t sour
     open_.splice(open_.begin(), open_, found);
     return open_.front().raster;
   }
-  auto raster = open_raster(infos_[source].path, options_);
+  auto raster = open_source(source, options_);
   if (!raster) return raster.error();
   if (open_.size() >= most_open_) open_.pop_back();
   open_.push_front({source, std::move(*raster)});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <filesystem>
 #include <list>
@@ -28,6 +29,11 @@ class RasterPool {
   static Result<std::unique_ptr<RasterPool>> open(std::span<const std::filesystem::path> paths,
                                                   const OpenOptions& options, Content content);
 
+  /// A pool of sources that are known already, of which no file is opened before it is read. Those that are
+  /// not `available` can be asked what they are and not be read.
+  static std::unique_ptr<RasterPool> describe(std::vector<RasterInfo> infos, std::vector<bool> available,
+                                              const OpenOptions& options, Content content);
+
   /// What may be kept of all sources together. Drops what is kept. Not while other threads read.
   void set_cache_bytes(std::size_t cache_bytes);
 
@@ -38,6 +44,11 @@ class RasterPool {
   /// and decoded once for all windows that share it, and its posts are kept while there is room for them.
   /// REQUIRES: the content is heights.
   Status read_heights(std::size_t source, const PostWindow& window, std::span<float> out);
+
+  /// Whether a void was among the heights that read_heights() has given of the source, or may have been
+  /// among those that expect_voids() speaks of.
+  bool has_voids(std::size_t source) const { return has_voids_[source] != 0; }
+  void expect_voids(std::size_t source) { has_voids_[source] = 1; }
 
   /// The source, opened if it was not. It stays usable for as long as the caller holds it.
   Result<std::shared_ptr<const RasterSource>> acquire(std::size_t source);
@@ -54,6 +65,8 @@ class RasterPool {
     std::shared_ptr<const RasterSource> raster;
   };
 
+  Result<std::unique_ptr<RasterSource>> open_source(std::size_t source, const OpenOptions& options) const;
+  void note_voids(std::size_t source, std::span<const float> heights);
   Status ask_all(std::span<const std::filesystem::path> paths);
   bool is_small(const RasterInfo& info) const;
   Result<ChunkCache::Chunk> read_whole(std::size_t source);
@@ -61,6 +74,8 @@ class RasterPool {
 
   Content content_ = Content::heights;
   std::vector<RasterInfo> infos_;
+  std::vector<bool> available_;  // empty where all are
+  std::vector<std::atomic<char>> has_voids_;
   OpenOptions options_;
   std::size_t most_open_ = 1;
   std::size_t most_whole_bytes_ = 0;  // as floats, of a source that is read whole

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "builder/app/source_options.h"
+#include "builder/raster/expand_inputs.h"
+#include "cairn/build_options.h"
+#include "cairn/status.h"
+
+namespace cairn {
+
+/// What the command line says of a bake: which inputs, and all that decides the bytes of the pack.
+struct BakeArguments {
+  std::vector<std::string> inputs;
+  BuildOptions options;
+  std::vector<std::string> images;
+  std::vector<double> region;
+  SourceArguments sources;
+  std::vector<double> image_bounds;
+  std::string level = "auto";
+  std::string geoid;
+  std::size_t memory_mib = 1024;
+  InputSearch search;
+};
+
+/// Adds inputs and all options that decide the bytes of a pack.
+void add_bake_options(CLI::App& verb, BakeArguments& arguments);
+
+/// Adds --memory and --threads.
+void add_machine_options(CLI::App& verb, BakeArguments& arguments);
+
+/// Returns the options of the library. The error is usage where there are no inputs, or options contradict
+/// one another.
+Result<BuildOptions> options_from(const BakeArguments& arguments);
+
+}  // namespace cairn

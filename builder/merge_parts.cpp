@@ -1,0 +1,171 @@
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "builder/bake/bake_target.h"
+#include "builder/bake/layer_bake.h"
+#include "builder/bake/memory_budget.h"
+#include "builder/bake/thread_arena.h"
+#include "builder/kept_units.h"
+#include "builder/make_pack.h"
+#include "builder/planned_bake.h"
+#include "builder/shard/part_sink.h"
+#include "builder/shard_tiles.h"
+#include "cairn/shards.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The part of each shard, by number, and how far it has been read.
+struct Parts {
+  struct Part {
+    fs::path path;
+    std::uint64_t position = 0;
+  };
+  std::vector<Part> by_shard;
+};
+
+Result<Parts> find_parts(const fs::path& plan_file, const ShardPlan& plan,
+                         const std::vector<fs::path>& files) {
+  Parts parts;
+  parts.by_shard.resize(plan.shards.size());
+  for (const fs::path& file : files) {
+    const auto part = PartReader::open(file);
+    if (!part) return part.error();
+    const PartDescription& d = part->description();
+    if (d.version != plan.version)
+      return bad_data(file.string() + ": expected a part that cairn " + plan.version +
+                      " made, found one of cairn " + d.version);
+    if (d.plan != plan.id || d.shards != plan.shards.size() || d.shard >= plan.shards.size())
+      return bad_data(file.string() + ": expected a part of the plan " + hex_of(plan.id) + " (" +
+                      plan_file.string() + "), found one of the plan " + hex_of(d.plan));
+    Parts::Part& own = parts.by_shard[d.shard];
+    if (!own.path.empty())
+      return usage_error(file.string() + ": expected each shard once, found shard " +
+                         std::to_string(d.shard) + " in " + own.path.string() + " too");
+    own = {file, part->position()};
+  }
+  for (std::size_t s = 0; s < parts.by_shard.size(); ++s) {
+    if (parts.by_shard[s].path.empty())
+      return usage_error(plan_file.string() + ": expected a part for each of " +
+                         std::to_string(plan.shards.size()) + " shards, found none for shard " +
+                         std::to_string(s));
+  }
+  return parts;
+}
+
+/// Takes a layer's units over from one part.
+template <TileLayer L>
+Status merge_part(Parts::Part& part, const std::vector<TileId>& units, Layer kind, const L& layer,
+                  const TileTree& tree, std::uint64_t per_leaf, BakeSession& session, LayerSink<L>& sink,
+                  Progress& now, const ProgressCallback& progress) {
+  auto reader = PartReader::open_at(part.path, part.position);
+  if (!reader) return reader.error();
+  for (const TileId& unit : units) {
+    auto record = reader->next();
+    if (!record) return record.error();
+    if (record->layer != kind || record->unit != unit)
+      return bad_data(part.path.string() + ": expected the unit " + to_string(kind) + " " + to_string(unit) +
+                      ", found " + to_string(record->layer) + " " + to_string(record->unit));
+    auto risen = subtree_of(layer, *record);
+    if (!risen) return bad_data(part.path.string() + ": " + risen.error().message);
+    const Status taken = sink.take_over(
+        unit, record->blocks, {{}, std::move(record->held), std::move(record->root)}, std::move(*risen));
+    if (!taken) return taken;
+    now.done += tree.leaves(unit).size() * per_leaf;
+    now.bytes_written = session.writer.position();
+    if (!progress(now)) return cancelled(now);
+  }
+  part.position = reader->position();
+  return {};
+}
+
+/// The end of every part is where its last unit is.
+Status check_ends(const Parts& parts) {
+  for (const Parts::Part& part : parts.by_shard) {
+    auto reader = PartReader::open_at(part.path, part.position);
+    if (!reader) return reader.error();
+    if (auto status = reader->check_end(); !status) return status;
+  }
+  return {};
+}
+
+Result<BuildReport> merge_in_arena(const fs::path& plan_file, const std::vector<fs::path>& files,
+                                   const SessionOptions& asked, int threads,
+                                   const ProgressCallback& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<fs::path> inputs = files;
+  inputs.push_back(plan_file);
+  if (auto status = check_target(asked, inputs); !status) return status.error();
+
+  // 1. The plan, and a part of every shard.
+  const auto plan = read_shard_plan(plan_file);
+  if (!plan) return plan.error();
+  auto parts = find_parts(plan_file, *plan, files);
+  if (!parts) return parts.error();
+
+  // 2. What the whole bake is, from the plan alone.
+  auto options = options_of(*plan);
+  if (!options) return options.error();
+  options->session = asked;
+  options->session.resume = false;
+  const auto layers = plan_bake(sources_of(*plan, std::nullopt), *options, threads);
+  if (!layers) return layers.error();
+  auto session = begin_session(options->session, identity_of(*options), header_for(*layers, *options));
+  if (!session) return session.error();
+
+  // 3. The units in the order of the trees' walks; the tiles above the shards' subtrees; the pack.
+  const std::uint64_t per_leaf = samples_per_leaf(options->grid.tile_size);
+  const auto merge = [&](auto& layer, const TileTree& tree, Progress& now, Layer kind,
+                         ShardTiles Shard::*tiles) -> Status {
+    LayerSink sink(layer, tree, *session);
+    now.stage = std::string("merge: ") + to_string(kind);
+    for (std::size_t s = 0; s < plan->shards.size(); ++s) {
+      const Status status = merge_part(parts->by_shard[s], units_of(tree, plan->shards[s].*tiles), kind,
+                                       layer, tree, per_leaf, *session, sink, now, progress);
+      if (!status) return status;
+    }
+    return {};
+  };
+  const LayerMakers makers{[&](HeightLayer& layer, const TileTree& tree, Progress& now) {
+                             return merge(layer, tree, now, Layer::heights, &Shard::heights);
+                           },
+                           [&](ImageryLayer& layer, const TileTree& tree, Progress& now) {
+                             return merge(layer, tree, now, Layer::imagery, &Shard::imagery);
+                           }};
+  const auto hashes = [&]() -> Result<std::vector<std::uint64_t>> {
+    if (auto status = check_ends(*parts); !status) return status.error();
+    std::vector<std::uint64_t> all;
+    for (const PlannedFile& file : plan->files) all.push_back(file.hash);
+    return all;
+  };
+  auto report = make_pack(*layers, *options, threads, *session, makers, hashes, progress);
+  if (!report) {
+    session->writer.abandon();
+    remove_journal(asked.target);
+    return report.error();
+  }
+  if (layers->heights) {
+    for (std::size_t dem = 0; dem < plan->dems.size(); ++dem)
+      if (plan->has_voids[dem] != 0) layers->heights->pool().expect_voids(dem);
+  }
+  if (auto kept = keep_units(*session, *layers, *options, *hashes()); !kept && report->warning.empty())
+    report->warning = kept.error().message;
+  report->threads = threads;
+  report->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+}  // namespace
+
+Result<BuildReport> merge_parts(const fs::path& plan, const std::vector<fs::path>& parts,
+                                const SessionOptions& session, const ProgressCallback& progress) {
+  keep_freed_memory();
+  return with_threads(session.threads,
+                      [&](int threads) { return merge_in_arena(plan, parts, session, threads, progress); });
+}
+
+}  // namespace cairn

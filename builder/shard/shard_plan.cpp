@@ -1,0 +1,187 @@
+#include "builder/shard/shard_plan.h"
+
+#include <charconv>
+#include <cstdio>
+#include <fstream>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "builder/shard/raster_info_json.h"
+#include "format/checksum.h"
+#include "format/file.h"
+
+namespace cairn {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr int kPlanVersion = 1;
+
+std::uint64_t number_from_hex(const Json& json) {
+  const auto text = json.get<std::string>();
+  std::uint64_t number = 0;
+  std::from_chars(text.data(), text.data() + text.size(), number, 16);
+  return number;
+}
+
+Json json_of(const PlannedFile& file) {
+  Json json{{"path", file.path.string()}, {"bytes", file.bytes}, {"xxh3", hex_of(file.hash)}};
+  for (const PlannedFile& other : file.beside) json["beside"].push_back(json_of(other));
+  return json;
+}
+
+PlannedFile file_from(const Json& json) {
+  PlannedFile file{json.at("path").get<std::string>(),
+                   json.at("bytes").get<std::uint64_t>(),
+                   number_from_hex(json.at("xxh3")),
+                   {}};
+  if (json.contains("beside"))
+    for (const Json& other : json.at("beside")) file.beside.push_back(file_from(other));
+  return file;
+}
+
+Json json_of(const ShardTiles& tiles) {
+  Json json{{"leaves", tiles.leaves}, {"subtrees", Json::array()}};
+  for (const TileId& id : tiles.subtrees) json["subtrees"].push_back({id.level, id.x, id.y});
+  return json;
+}
+
+ShardTiles tiles_from(const Json& json) {
+  ShardTiles tiles;
+  tiles.leaves = json.at("leaves").get<std::uint64_t>();
+  for (const Json& id : json.at("subtrees")) {
+    tiles.subtrees.push_back(
+        {id.at(0).get<int>(), id.at(1).get<std::int32_t>(), id.at(2).get<std::int32_t>()});
+  }
+  return tiles;
+}
+
+Json json_of(const ShardPlan& plan) {
+  Json json{
+      {"cairn_plan", kPlanVersion},      {"cairn", plan.version},         {"options", plan.options},
+      {"allow_error", plan.allow_error}, {"with_geoid", plan.with_geoid}, {"memory_bytes", plan.memory_bytes},
+      {"files", Json::array()},          {"dems", Json::array()},         {"images", Json::array()},
+      {"has_voids", plan.has_voids},     {"shards", Json::array()}};
+  for (const PlannedFile& file : plan.files) json["files"].push_back(json_of(file));
+  for (const RasterInfo& info : plan.dems) json["dems"].push_back(to_json(info));
+  for (const RasterInfo& info : plan.images) json["images"].push_back(to_json(info));
+  for (const Shard& shard : plan.shards) {
+    json["shards"].push_back({{"number", json["shards"].size()},
+                              {"heights", json_of(shard.heights)},
+                              {"imagery", json_of(shard.imagery)},
+                              {"files", shard.files},
+                              {"estimated_bytes", shard.estimated_bytes},
+                              {"estimated_seconds", shard.estimated_seconds}});
+  }
+  return json;
+}
+
+// The folders may be other ones on another machine.
+void drop_folders(Json& json) {
+  if (json.is_object() && json.contains("path"))
+    json["path"] = fs::path(json["path"].get<std::string>()).filename().string();
+  if (json.is_structured())
+    for (auto& member : json) drop_folders(member);
+}
+
+std::uint64_t id_of(Json json) {
+  json.erase("id");
+  drop_folders(json);
+  const std::string text = json.dump();
+  return checksum(std::as_bytes(std::span(text)));
+}
+
+ShardPlan plan_from(const Json& json) {
+  ShardPlan plan;
+  plan.version = json.at("cairn").get<std::string>();
+  plan.options = json.at("options");
+  plan.allow_error = json.at("allow_error").get<bool>();
+  plan.with_geoid = json.at("with_geoid").get<bool>();
+  plan.memory_bytes = json.at("memory_bytes").get<std::uint64_t>();
+  plan.has_voids = json.at("has_voids").get<std::vector<std::uint8_t>>();
+  for (const Json& file : json.at("files")) plan.files.push_back(file_from(file));
+  for (const Json& shard : json.at("shards")) {
+    plan.shards.push_back({tiles_from(shard.at("heights")), tiles_from(shard.at("imagery")),
+                           shard.at("files").get<std::vector<std::size_t>>(),
+                           shard.at("estimated_bytes").get<std::uint64_t>(),
+                           shard.at("estimated_seconds").get<double>()});
+  }
+  return plan;
+}
+
+Status read_sources(const Json& json, std::vector<RasterInfo>& sources) {
+  for (const Json& source : json) {
+    auto info = raster_info_from(source);
+    if (!info) return info.error();
+    sources.push_back(std::move(*info));
+  }
+  return {};
+}
+
+Status check_numbers(const ShardPlan& plan) {
+  const std::size_t files = plan.dems.size() + plan.images.size() + (plan.with_geoid ? 1 : 0);
+  bool right = plan.files.size() == files && plan.has_voids.size() == plan.dems.size();
+  for (const Shard& shard : plan.shards) {
+    for (const std::size_t file : shard.files) right = right && file < files;
+    for (const ShardTiles* tiles : {&shard.heights, &shard.imagery})
+      for (const TileId& id : tiles->subtrees) right = right && is_valid(id);
+  }
+  return right ? Status() : Status(bad_data("files: expected one for each source, found others"));
+}
+
+}  // namespace
+
+std::string hex_of(std::uint64_t number) {
+  return fmt::format("{:016x}", number);
+}
+
+Status write_shard_plan(ShardPlan& plan, const fs::path& target) {
+  Json json = json_of(plan);
+  const fs::path part = fs::path(target).concat(".part");
+  try {
+    plan.id = id_of(json);
+    json["id"] = hex_of(plan.id);
+    std::ofstream out(part, std::ios::binary);
+    out << json.dump(1) << '\n';
+    if (!out.flush()) return failed(part.string() + ": plan: expected to write it, found an unwritable file");
+  } catch (const Json::exception&) {
+    return bad_data(target.string() + ": plan: expected names of files in UTF-8, found others");
+  }
+  return rename_durably(part, target);
+}
+
+Result<ShardPlan> read_shard_plan(const fs::path& path) {
+  const std::string name = path.string();
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return failed(name + ": plan: expected a file that can be read, found none");
+  const Json json = Json::parse(in, nullptr, false);
+  if (!json.is_object() || json.value("cairn_plan", Json()) != kPlanVersion)
+    return bad_data(name + ": plan: expected a plan of this program, found another file");
+  ShardPlan plan;
+  try {
+    const auto version = json.at("cairn").get<std::string>();
+    if (version != CAIRN_VERSION)
+      return bad_data(name + ": plan: expected one of cairn " CAIRN_VERSION ", found one of cairn " +
+                      version);
+    plan.id = number_from_hex(json.at("id"));
+    const std::uint64_t found = id_of(json);
+    if (found != plan.id)
+      return bad_data(name + ": plan: expected its id to be " + hex_of(found) + ", found " + hex_of(plan.id) +
+                      ": it was changed or damaged");
+    const std::uint64_t id = plan.id;
+    plan = plan_from(json);
+    plan.id = id;
+    if (auto status = read_sources(json.at("dems"), plan.dems); !status)
+      return bad_data(name + ": " + status.error().message);
+    if (auto status = read_sources(json.at("images"), plan.images); !status)
+      return bad_data(name + ": " + status.error().message);
+  } catch (const std::exception& error) {
+    return bad_data(name + ": plan: " + error.what());
+  }
+  if (auto status = check_numbers(plan); !status) return bad_data(name + ": " + status.error().message);
+  return plan;
+}
+
+}  // namespace cairn
