@@ -152,6 +152,7 @@ Result<BuildReport> merge_in_arena(const fs::path& plan_file, const std::vector<
     for (std::size_t dem = 0; dem < plan->dems.size(); ++dem)
       if (plan->has_voids[dem] != 0) layers->heights->pool().expect_voids(dem);
   }
+  if (auto named = session->journal.identify(plan->id); !named) return named.error();
   if (auto kept = keep_units(*session, *layers, *options, *hashes()); !kept && report->warning.empty())
     report->warning = kept.error().message;
   report->threads = threads;

@@ -326,6 +326,20 @@ class Updates(InTemporaryFolder):
         self.assertEqual(dry["units_made"] + dry["units_taken"], 64)
         self.assertLessEqual(dry["units_made"], 16)  # four of the cell, and those around it
 
+    def test_a_merged_pack_can_be_updated(self):
+        cells = [cell(self.inputs, 20 + x, 40, 1200) for x in range(3)]
+        pack, plan = self.folder / "pack.cairn", self.folder / "plan.json"
+        cairn("plan", *cells, "--tile-size", 257, "--shards", 2, "-o", plan)
+        parts = [self.folder / f"{shard}.part" for shard in range(2)]
+        for shard in range(2):
+            cairn("bake", "--plan", plan, "--shard", shard, "-o", parts[shard])
+        cairn("merge", plan, *parts, "-o", pack)
+        changed = cell(self.inputs, 22, 40, 1200, seed=1)
+        dry = json.loads(cairn("update", pack, changed, "--dry-run", "--json").stdout)
+        self.assertGreater(dry["units_taken"], 0)
+        cairn("update", pack, changed)
+        self.assertEqual(pack.read_bytes(), self.full(cells, [], ["--tile-size", 257]))
+
     def test_without_its_units_a_pack_is_made_again(self):
         cells = [cell(self.inputs, 20 + x, 40, 300) for x in range(2)]
         pack = self.folder / "pack.cairn"
