@@ -18,6 +18,7 @@
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
 #include "builder/export/export_format.h"
+#include "cairn/remote_pack.h"
 
 namespace cairn {
 namespace {
@@ -108,7 +109,7 @@ const ExportFormat& format_of(const std::string& name) {
 Status export_pack(const ExportArguments& arguments) {
   const auto options = options_from(arguments);
   if (!options) return options.error();
-  const auto pack = PackReader::open(arguments.pack);
+  const auto pack = open_pack(arguments.pack);
   if (!pack) return pack.error();
   const Interrupt interrupt;
   Result<ExportReport> report = [&] {
@@ -146,7 +147,7 @@ void add_export(CLI::App& app, int& exit_code) {
                                                     {"ellipsoid", VerticalDatum::ellipsoid}};
   const std::map<std::string, ExportHeights> heights{{"ellipsoidal", ExportHeights::ellipsoidal},
                                                      {"stored", ExportHeights::as_stored}};
-  verb->add_option("PACK", arguments->pack, "The pack")->required();
+  verb->add_option("PACK", arguments->pack, "The pack, or its http:// or https:// address")->required();
   verb->add_option("-o,--output", o.target, "the file or folder to make")->required();
   verb->add_option("--format", arguments->format, summaries)->required()->check(CLI::IsMember(formats));
   verb->add_option("--region", arguments->region,

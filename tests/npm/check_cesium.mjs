@@ -62,7 +62,7 @@ const profile = fs.mkdtempSync(path.join(os.tmpdir(), "cairn-chromium-"));
 const browser = spawn(chromium, ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
                                  "--window-size=960,540", `--user-data-dir=${profile}`,
                                  `http://127.0.0.1:${server.address().port}/`], { stdio: "ignore", detached: true });
-const timer = setTimeout(() => finish({ error: "no answer after 240 s" }), 240000);
+const timer = setTimeout(() => finish({ error: "no answer after 480 s" }), 480000);
 const found = await result;
 clearTimeout(timer);
 try { process.kill(-browser.pid); } catch { /* it has ended */ }

@@ -32,6 +32,7 @@ constexpr int kLargeTileLevel =
     6;  // up to here one tile is made at a time: it may hold a hundred of the pack's
 constexpr const char* kTilesetName = "tileset.json";
 constexpr int kLevelsOfFile = 4;    // a tileset file has so many levels, then other files go on
+constexpr double kSkirtErrors = 5;  // a skirt is so many errors of its level deep, as CesiumJS's own are
 constexpr int kTexture = 512;       // pixels a side of a tile's image, and up to
 constexpr int kMostTexture = 2048;  // in tiles without finer ones
 
@@ -57,30 +58,60 @@ std::string name_of(const GeographicTile& tile) {
 }
 
 /// Without the triangles over ground that the pack does not have, and without vertices that none uses.
-GlbMesh ground_of(const QuantizedMesh& mesh) {
-  GlbMesh out;
-  constexpr std::uint32_t kUnused = UINT32_MAX;
-  std::vector<std::uint32_t> numbers(mesh.u.size(), kUnused);
-  for (const auto& triangle : mesh.triangles) {
-    if (std::none_of(triangle.begin(), triangle.end(),
-                     [&](std::uint32_t i) { return mesh.has_ground[i] != 0; }))
-      continue;
-    std::array<std::uint32_t, 3> own{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t i = triangle[k];
-      if (numbers[i] == kUnused) {
-        numbers[i] = static_cast<std::uint32_t>(out.positions.size());
-        out.positions.push_back(geocentric(mesh.place(i), mesh.metres(i), mesh.ellipsoid));
-        out.normals.push_back(mesh.normals[i]);
-        out.texture.push_back({static_cast<float>(mesh.u[i]) / QuantizedMesh::kLargest,
-                               1 - static_cast<float>(mesh.v[i]) / QuantizedMesh::kLargest});
-      }
-      own[k] = numbers[i];
+class GroundMesh {
+ public:
+  explicit GroundMesh(const QuantizedMesh& mesh) : mesh_(mesh), numbers_(mesh.u.size(), kUnused) {
+    for (const auto& triangle : mesh.triangles) {
+      if (std::none_of(triangle.begin(), triangle.end(),
+                       [&](std::uint32_t i) { return mesh.has_ground[i] != 0; }))
+        continue;
+      kept_.push_back(triangle);
+      out_.triangles.push_back({vertex(triangle[0]), vertex(triangle[1]), vertex(triangle[2])});
     }
-    out.triangles.push_back(own);
   }
-  return out;
-}
+
+  /// Hangs walls below the tile's edges: neighbours of another level have other vertices there.
+  void add_skirts(double depth_m) {
+    for (const auto& triangle : kept_)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (is_border(triangle[k], triangle[(k + 1) % 3]))
+          add_wall(triangle[k], triangle[(k + 1) % 3], depth_m);
+  }
+
+  GlbMesh take() { return std::move(out_); }
+
+ private:
+  static constexpr std::uint32_t kUnused = UINT32_MAX;
+
+  std::uint32_t add_vertex(std::uint32_t i, double metres) {
+    out_.positions.push_back(geocentric(mesh_.place(i), metres, mesh_.ellipsoid));
+    out_.normals.push_back(mesh_.normals[i]);
+    out_.texture.push_back({static_cast<float>(mesh_.u[i]) / QuantizedMesh::kLargest,
+                            1 - static_cast<float>(mesh_.v[i]) / QuantizedMesh::kLargest});
+    return static_cast<std::uint32_t>(out_.positions.size() - 1);
+  }
+  std::uint32_t vertex(std::uint32_t i) {
+    if (numbers_[i] == kUnused) numbers_[i] = add_vertex(i, mesh_.metres(i));
+    return numbers_[i];
+  }
+  bool is_border(std::uint32_t a, std::uint32_t b) const {
+    const auto on = [](std::uint16_t p, std::uint16_t q) {
+      return p == q && (p == 0 || p == QuantizedMesh::kLargest);
+    };
+    return on(mesh_.u[a], mesh_.u[b]) || on(mesh_.v[a], mesh_.v[b]);
+  }
+  void add_wall(std::uint32_t a, std::uint32_t b, double depth_m) {
+    const std::uint32_t low_a = add_vertex(a, mesh_.metres(a) - depth_m),
+                        low_b = add_vertex(b, mesh_.metres(b) - depth_m);
+    out_.triangles.push_back({vertex(b), vertex(a), low_a});
+    out_.triangles.push_back({vertex(b), low_a, low_b});
+  }
+
+  const QuantizedMesh& mesh_;
+  std::vector<std::uint32_t> numbers_;
+  std::vector<std::array<std::uint32_t, 3>> kept_;
+  GlbMesh out_;
+};
 
 class TilesetExport {
  public:
@@ -155,7 +186,10 @@ Result<MadeUnit> TilesetExport::make(const QuantizedMeshSource& source, const Un
   for (const GeographicTile& tile : source.plan.tiles_of(unit)) {
     const auto mesh = make_quantized_mesh(source, tile);
     if (!mesh) return mesh.error();
-    GlbMesh ground = ground_of(*mesh);
+    GroundMesh surface(*mesh);
+    const double depth = kSkirtErrors * assumed_error_m(tile.level, mesh->ellipsoid);
+    surface.add_skirts(depth);
+    GlbMesh ground = surface.take();
     if (ground.triangles.empty()) continue;
     auto image = image_of(source.plan, tile, mesh->bounds);
     if (!image) return image.error();
@@ -166,6 +200,7 @@ Result<MadeUnit> TilesetExport::make(const QuantizedMeshSource& source, const Un
       note.lowest_m = std::min(note.lowest_m, mesh->metres(i));
       note.highest_m = std::max(note.highest_m, mesh->metres(i));
     }
+    note.lowest_m -= depth;
     made.push_back({tile, note, encode_glb(ground), ground.triangles.size(), ground.positions.size()});
   }
   return made;
