@@ -148,8 +148,8 @@ Result<LodTile> LabTerrain::load(const TileId& area, const IndexEntry& source) {
 }
 
 Result<LodScene> LabTerrain::scene_for(const ViewState& view, const SceneRules& rules) {
-  LodScene scene{
-      pack().header().tile_size, pack().header().quantum_m, lowest_m(), pack().header().body.shape, {}};
+  const PackHeader& header = pack().header();
+  LodScene scene{header.tile_size, header.quantum_m, lowest_m(), {}, header.body.shape};
   for (const auto& [area, source] : areas_for(view, rules)) {
     if (area.level - source.id.level > std::ilogb(scene.tile_size - 1)) {
       return bad_data(pack().path().string() + ": " + to_string(area) +

@@ -32,8 +32,8 @@ struct LodScene {
   int tile_size = 513;
   double quantum_m = 0.25;
   double lowest_m = 0;  ///< no height of the pack is below
-  Ellipsoid ellipsoid = {};
   std::vector<LodTile> tiles;
+  Ellipsoid ellipsoid = {};  ///< of the body
 };
 
 struct LodView {
