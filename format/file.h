@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <utility>
 
 #include "cairn/status.h"
 
@@ -44,9 +45,9 @@ class File {
   Status sync();
 
  private:
-  File(int descriptor, std::filesystem::path path) : descriptor_(descriptor), path_(std::move(path)) {}
+  File(std::intptr_t handle, std::filesystem::path path) : handle_(handle), path_(std::move(path)) {}
 
-  int descriptor_ = -1;
+  std::intptr_t handle_ = -1;  // a descriptor of POSIX, or a HANDLE of Windows
   std::filesystem::path path_;
 };
 

@@ -43,11 +43,11 @@ class BitReader {
   /// 0 past the end; ok() tells.
   bool read() {
     const std::size_t i = at_++;
-    return i < count_ && (bytes_[i / 8] >> (i % 8) & std::byte{1}) != std::byte{0};
+    return i < count_ && ((bytes_[i / 8] >> (i % 8)) & std::byte{1}) != std::byte{0};
   }
   std::size_t position() const { return at_; }
   bool spare_bits_are_zero() const {
-    return count_ % 8 == 0 || bytes_[count_ / 8] >> (count_ % 8) == std::byte{0};
+    return count_ % 8 == 0 || (bytes_[count_ / 8] >> (count_ % 8)) == std::byte{0};
   }
 
  private:

@@ -4,14 +4,15 @@ namespace cairn {
 
 const TexelKernels& TexelLoops::kernels_for(KernelIsa isa) {
   switch (isa) {
+#if defined(__x86_64__)
     case KernelIsa::avx512:
       return avx512::texel_kernels;
     case KernelIsa::avx2:
       return avx2::texel_kernels;
-    case KernelIsa::portable:
-      break;
+#endif
+    default:
+      return portable::texel_kernels;
   }
-  return portable::texel_kernels;
 }
 
 void TexelLoops::filter(const FloatTexel* pixels, std::int64_t column, const PixelTaps& taps,

@@ -86,8 +86,9 @@ void decode_floating(const HeightEncoding& e, const std::byte* samples, std::siz
 }
 
 template <class T, bool Scaled, bool Swapped>
-CAIRN_SIMD_CLONES void decode_contiguous(Nodata<T> nodata, double scale, double offset,
-                                         const std::byte* samples, std::size_t count, float* metres) {
+CAIRN_SIMD_CLONES_TEMPLATE void decode_contiguous(Nodata<T> nodata, double scale, double offset,
+                                                  const std::byte* samples, std::size_t count,
+                                                  float* metres) {
   for (std::size_t i = 0; i < count; ++i)
     metres[i] = integer_height<T, Scaled>(load<T>(samples + i * sizeof(T), Swapped), nodata, scale, offset);
 }

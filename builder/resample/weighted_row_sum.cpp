@@ -26,19 +26,20 @@ template <class Out>
   }
 }
 
+#if defined(__x86_64__)
 template <class Out>
 [[gnu::target("avx2")]] void combine_avx2(std::span<const double> weights, Rows<const double> in,
                                           std::size_t width, Out* out) {
   combine(weights, in, width, out);
 }
+#endif
 
 template <class Out>
 void combine_best(std::span<const double> weights, Rows<const double> in, std::size_t width, Out* out) {
-  if (__builtin_cpu_supports("avx2")) {
-    combine_avx2(weights, in, width, out);
-  } else {
-    combine(weights, in, width, out);
-  }
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) return combine_avx2(weights, in, width, out);
+#endif
+  combine(weights, in, width, out);
 }
 
 }  // namespace

@@ -17,14 +17,15 @@ constexpr std::size_t kGroupRow = 16 * kGroup;  // bytes of a row of a group
 
 const KernelSet& kernel_set(KernelIsa isa) {
   switch (isa) {
+#if defined(__x86_64__)
     case KernelIsa::avx512:
       return avx512::kernels;
     case KernelIsa::avx2:
       return avx2::kernels;
-    case KernelIsa::portable:
-      break;
+#endif
+    default:
+      return portable::kernels;
   }
-  return portable::kernels;
 }
 
 struct Image {
@@ -99,10 +100,13 @@ KernelIsa fastest_isa_for(TextureFormat format, TextureQuality quality) {
 }  // namespace
 
 KernelIsa widest_kernel_isa() {
+#if defined(__x86_64__)
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
     return KernelIsa::avx512;
-  return __builtin_cpu_supports("avx2") ? KernelIsa::avx2 : KernelIsa::portable;
+  if (__builtin_cpu_supports("avx2")) return KernelIsa::avx2;
+#endif
+  return KernelIsa::portable;
 }
 
 void encode_texture(TextureFormat format, TextureQuality quality, std::span<const std::uint8_t> rgba,

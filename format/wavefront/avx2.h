@@ -5,6 +5,7 @@
 
 #if defined(__x86_64__)
 
+#include <cpuid.h>
 #include <immintrin.h>
 
 #define CAIRN_AVX2 __attribute__((target("avx2,bmi,bmi2,lzcnt,popcnt")))
@@ -12,9 +13,19 @@
 
 namespace cairn::wavefront {
 
+/// Clang 14 knows no "lzcnt" in __builtin_cpu_supports: the processor is asked itself (CPUID 80000001h, ECX
+/// bit 5).
+inline bool cpu_has_lzcnt() {
+  unsigned eax = 0, ebx = 0, ecx = 0, edx = 0;
+  return __get_cpuid(0x80000001, &eax, &ebx, &ecx, &edx) != 0 && (ecx >> 5 & 1) != 0;
+}
+
+/// Asks once: CPUID leaves a virtual machine, which takes microseconds.
 inline bool cpu_has_avx2() {
-  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
-         __builtin_cpu_supports("lzcnt") && __builtin_cpu_supports("popcnt");
+  static const bool has = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
+                          __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt") &&
+                          cpu_has_lzcnt();
+  return has;
 }
 
 }  // namespace cairn::wavefront

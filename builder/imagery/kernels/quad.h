@@ -7,7 +7,9 @@
 
 #include <cstring>
 
+#if defined(__AVX2__)
 #include <immintrin.h>
+#endif
 
 #include "builder/imagery/kernels/kernels.h"
 
@@ -69,10 +71,7 @@ CAIRN_INLINE Quad spread(FloatTexel weights) {
   quad.part[0] = _mm256_permutevar8x32_ps(all, _mm256_set_epi32(1, 1, 1, 1, 0, 0, 0, 0));
   quad.part[1] = _mm256_permutevar8x32_ps(all, _mm256_set_epi32(3, 3, 3, 3, 2, 2, 2, 2));
 #else
-  quad.part[0] = _mm_shuffle_ps(weights, weights, 0x00);
-  quad.part[1] = _mm_shuffle_ps(weights, weights, 0x55);
-  quad.part[2] = _mm_shuffle_ps(weights, weights, 0xAA);
-  quad.part[3] = _mm_shuffle_ps(weights, weights, 0xFF);
+  for (int i = 0; i < 4; ++i) quad.part[i] = FloatTexel{} + weights[i];
 #endif
   return quad;
 }
@@ -136,16 +135,12 @@ CAIRN_INLINE void quantise(const Quad& sums, std::uint16_t* out) {
   const __m256i packed = _mm256_permute4x64_epi64(_mm256_packus_epi32(whole[0], whole[1]), 0xD8);
   std::memcpy(out, &packed, sizeof packed);
 #else
-  const __m128 none = _mm_setzero_ps(), most = _mm_set1_ps(65535.0F), half = _mm_set1_ps(0.5F);
   for (int i = 0; i < 4; ++i) {
-    const __m128 sum = sums.part[i];
-    const __m128 alpha = _mm_min_ps(_mm_max_ps(_mm_shuffle_ps(sum, sum, 0xFF), none), most);
-    const __m128 clamped = _mm_min_ps(_mm_max_ps(sum, none), alpha);
-    const __m128i whole = _mm_cvttps_epi32(_mm_add_ps(clamped, half));
-    // SSE2 packs signed numbers only.
-    const __m128i centred = _mm_sub_epi32(whole, _mm_set1_epi32(32768));
-    const __m128i packed = _mm_xor_si128(_mm_packs_epi32(centred, centred), _mm_set1_epi16(-32768));
-    _mm_storel_epi64(reinterpret_cast<__m128i*>(out + 4 * i), packed);
+    const FloatTexel none{}, sum = sums.part[i];
+    const FloatTexel above = sum > none ? sum : none;
+    const FloatTexel alpha = none + (above[3] < 65535.0F ? above[3] : 65535.0F);
+    const FloatTexel clamped = above < alpha ? above : alpha;
+    for (int k = 0; k < 4; ++k) out[4 * i + k] = static_cast<std::uint16_t>(clamped[k] + 0.5F);
   }
 #endif
 }

@@ -146,13 +146,9 @@ bool all_within(const double* places, std::size_t count, const double* low, cons
 #if defined(__AVX2__)
   if (count >= 4) return all_within_fours(places, count, low, high);
 #endif
-  const __m128d least = _mm_loadu_pd(low), most = _mm_loadu_pd(high);
-  __m128d within = _mm_cmpeq_pd(least, least);
-  for (std::size_t i = 0; i < count; ++i) {
-    const __m128d place = _mm_loadu_pd(places + 2 * i);
-    within = _mm_and_pd(within, _mm_and_pd(_mm_cmpge_pd(place, least), _mm_cmple_pd(place, most)));
-  }
-  return _mm_movemask_pd(within) == 3;
+  bool within = true;
+  for (std::size_t i = 0; i < 2 * count; ++i) within &= places[i] >= low[i % 2] && places[i] <= high[i % 2];
+  return within;
 }
 
 // One texel from two of each row.
@@ -179,18 +175,7 @@ CAIRN_INLINE void halve_four(const std::uint16_t* north, const std::uint16_t* so
 }
 #else
 CAIRN_INLINE void halve_four(const std::uint16_t* north, const std::uint16_t* south, std::uint16_t* out) {
-  const __m128i zero = _mm_setzero_si128();
-  for (int t = 0; t < 4; ++t) {
-    const __m128i n = _mm_loadu_si128(reinterpret_cast<const __m128i*>(north + 8 * t));
-    const __m128i s = _mm_loadu_si128(reinterpret_cast<const __m128i*>(south + 8 * t));
-    const __m128i sum =
-        _mm_add_epi32(_mm_add_epi32(_mm_unpacklo_epi16(n, zero), _mm_unpackhi_epi16(n, zero)),
-                      _mm_add_epi32(_mm_unpacklo_epi16(s, zero), _mm_unpackhi_epi16(s, zero)));
-    const __m128i mean = _mm_srli_epi32(_mm_add_epi32(sum, _mm_set1_epi32(2)), 2);
-    const __m128i centred = _mm_sub_epi32(mean, _mm_set1_epi32(32768));
-    const __m128i packed = _mm_xor_si128(_mm_packs_epi32(centred, centred), _mm_set1_epi16(-32768));
-    _mm_storel_epi64(reinterpret_cast<__m128i*>(out + 4 * t), packed);
-  }
+  for (int t = 0; t < 4; ++t) halve_one(north + 8 * t, south + 8 * t, out + 4 * t);
 }
 #endif
 

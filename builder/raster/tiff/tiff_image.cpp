@@ -45,7 +45,6 @@ TiffImage::TiffImage(std::filesystem::path path, InputFile file, std::uint16_t d
                      std::size_t cache_bytes)
     : path_(path),
       file_(std::move(file)),
-      cache_bytes_(cache_bytes),
       handles_(std::move(path), directory),
       cache_(cache_bytes),
       scratch_(cache_bytes) {}

@@ -61,7 +61,6 @@ class TiffImage {
   bool swapped_ = false;  // in the other byte order, which matters to stored_ only
   bool kept_ = false;     // stored_, but windows of colours overlap: read once and cached
   bool through_scratch_ = false;
-  std::size_t cache_bytes_;
   std::vector<std::uint64_t> offsets_;
   std::vector<std::uint64_t> byte_counts_;
   mutable TiffHandlePool handles_;

@@ -1,5 +1,3 @@
-#include "format/file.h"
-
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
@@ -11,6 +9,8 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "format/file.h"
 
 namespace cairn {
 namespace {
@@ -75,22 +75,30 @@ Result<File> File::open_scratch(const std::filesystem::path& folder) {
   return file;
 }
 
+namespace {
+
+int descriptor_of(std::intptr_t handle) {
+  return static_cast<int>(handle);
+}
+
+}  // namespace
+
 File::File(File&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)), path_(std::move(other.path_)) {}
+    : handle_(std::exchange(other.handle_, -1)), path_(std::move(other.path_)) {}
 
 File& File::operator=(File&& other) noexcept {
-  std::swap(descriptor_, other.descriptor_);
+  std::swap(handle_, other.handle_);
   std::swap(path_, other.path_);
   return *this;
 }
 
 File::~File() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (handle_ >= 0) ::close(descriptor_of(handle_));
 }
 
 Result<std::uint64_t> File::size() const {
   struct stat info {};
-  if (::fstat(descriptor_, &info) != 0) return os_error(path_, "stat");
+  if (::fstat(descriptor_of(handle_), &info) != 0) return os_error(path_, "stat");
   return static_cast<std::uint64_t>(info.st_size);
 }
 
@@ -98,7 +106,8 @@ Status File::read(std::uint64_t offset, std::span<std::byte> bytes) const {
   std::size_t done = 0;
   while (done < bytes.size()) {
     const std::size_t wanted = std::min(bytes.size() - done, kLargestTransfer);
-    const ssize_t got = ::pread(descriptor_, bytes.data() + done, wanted, static_cast<off_t>(offset + done));
+    const ssize_t got =
+        ::pread(descriptor_of(handle_), bytes.data() + done, wanted, static_cast<off_t>(offset + done));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return os_error(path_, "read at " + std::to_string(offset + done));
     if (got == 0) {
@@ -114,7 +123,8 @@ Status File::write(std::uint64_t offset, std::span<const std::byte> bytes) {
   std::size_t done = 0;
   while (done < bytes.size()) {
     const std::size_t wanted = std::min(bytes.size() - done, kLargestTransfer);
-    const ssize_t put = ::pwrite(descriptor_, bytes.data() + done, wanted, static_cast<off_t>(offset + done));
+    const ssize_t put =
+        ::pwrite(descriptor_of(handle_), bytes.data() + done, wanted, static_cast<off_t>(offset + done));
     if (put < 0 && errno == EINTR) continue;
     if (put < 0) return os_error(path_, "write at " + std::to_string(offset + done));
     done += static_cast<std::size_t>(put);
@@ -123,18 +133,18 @@ Status File::write(std::uint64_t offset, std::span<const std::byte> bytes) {
 }
 
 Status File::truncate(std::uint64_t size) {
-  if (::ftruncate(descriptor_, static_cast<off_t>(size)) != 0) return os_error(path_, "truncate");
+  if (::ftruncate(descriptor_of(handle_), static_cast<off_t>(size)) != 0) return os_error(path_, "truncate");
   return {};
 }
 
 void File::start_sync(std::uint64_t offset, std::uint64_t bytes) {
   // A hint: what goes wrong with the bytes shows in sync().
-  (void)::sync_file_range(descriptor_, static_cast<off_t>(offset), static_cast<off_t>(bytes),
+  (void)::sync_file_range(descriptor_of(handle_), static_cast<off_t>(offset), static_cast<off_t>(bytes),
                           SYNC_FILE_RANGE_WRITE);
 }
 
 Status File::sync() {
-  if (::fsync(descriptor_) != 0) return os_error(path_, "sync");
+  if (::fsync(descriptor_of(handle_)) != 0) return os_error(path_, "sync");
   return {};
 }
 
