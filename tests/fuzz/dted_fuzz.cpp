@@ -22,7 +22,7 @@ TEST_CASE("no bytes make reading DTED crash") {
   std::copy(cell.begin(), cell.end(), labelled.begin() + 160);
   for (const auto& [at, text] : {std::pair{std::size_t{0}, "VOL"}, {std::size_t{80}, "HDR"}})
     for (std::size_t i = 0; i < 3; ++i) labelled[at + i] = static_cast<std::byte>(text[i]);
-  run_fuzz(dted, {cell, labelled}, 5000);
+  run_fuzz("dted", dted, {cell, labelled}, 5000);
 }
 
 }  // namespace cairn::test

@@ -68,12 +68,12 @@ std::vector<Bytes> tiff_seeds() {
 }  // namespace
 
 TEST_CASE("no bytes make reading a GeoTIFF or its keys crash") {
-  run_fuzz(geotiff, tiff_seeds(), 6000);
+  run_fuzz("geotiff", geotiff, tiff_seeds(), 6000);
   std::vector<std::uint16_t> directory{1,    1, 0, 4, 1024, 0,     1, 1, 3072, 0,     1, 32767,
                                        3075, 0, 1, 1, 3080, 34736, 1, 2, 1026, 34737, 4, 0};
   Bytes seed(directory.size() * 6);
   std::memcpy(seed.data(), directory.data(), directory.size() * 2);
-  run_fuzz(keys, {seed}, 20000);
+  run_fuzz("geotiff_keys", keys, {seed}, 20000);
 }
 
 }  // namespace cairn::test

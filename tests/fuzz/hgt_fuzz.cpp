@@ -28,10 +28,10 @@ void plain(std::span<const std::byte> input) {
 
 TEST_CASE("no bytes make reading an hgt crash, packed or plain") {
   const Bytes cell = hgt_bytes(1201, steps);
-  run_fuzz(zip, {zipped({{"N36E028.hgt", cell}}), zipped({{"a.txt", Bytes(9)}, {"N36E028.hgt", cell}})},
-           1500);
-  run_fuzz(gzip, {gzipped(cell)}, 700);
-  run_fuzz(plain, {cell, Bytes(100)}, 100);
+  run_fuzz("hgt_zip", zip,
+           {zipped({{"N36E028.hgt", cell}}), zipped({{"a.txt", Bytes(9)}, {"N36E028.hgt", cell}})}, 1500);
+  run_fuzz("hgt_gzip", gzip, {gzipped(cell)}, 700);
+  run_fuzz("hgt", plain, {cell, Bytes(100)}, 100);
 }
 
 }  // namespace cairn::test

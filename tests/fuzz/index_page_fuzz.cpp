@@ -73,7 +73,7 @@ void index_page(std::span<const std::byte> input) {
 
 TEST_CASE("no bytes make reading a page of an index crash, and what is read is in range") {
   std::vector<PackLevel> levels{{Layer::heights, 2, 1.0f, 27, 3, 50}};
-  test::run_fuzz(index_page, {leaf(), branch(), encode_root(levels, leaf())}, 20000);
+  test::run_fuzz("index_page", index_page, {leaf(), branch(), encode_root(levels, leaf())}, 20000);
 }
 
 }  // namespace cairn

@@ -80,7 +80,7 @@ Bytes seed() {
 }  // namespace
 
 TEST_CASE("no bytes make opening, searching, reading or verifying a pack crash") {
-  test::run_fuzz(pack_open, {seed()}, 1000);
+  test::run_fuzz("pack", pack_open, {seed()}, 1000);
 }
 
 }  // namespace cairn

@@ -27,8 +27,9 @@ TEST_CASE("no bytes make reading a packed raster crash") {
   recipe.rows = 10;
   write_tiff(folder.path() / "a.tif", recipe);
   const Bytes tiff = read_bytes(folder.path() / "a.tif");
-  run_fuzz(zip, {zipped({{"a.tif", tiff}}), zipped({{"a.tfw", Bytes(9)}, {"b/a.tif", tiff, false}})}, 400);
-  run_fuzz(gzip, {gzipped(tiff)}, 200);
+  run_fuzz("packed_zip", zip,
+           {zipped({{"a.tif", tiff}}), zipped({{"a.tfw", Bytes(9)}, {"b/a.tif", tiff, false}})}, 400);
+  run_fuzz("packed_gzip", gzip, {gzipped(tiff)}, 200);
 }
 
 }  // namespace cairn::test

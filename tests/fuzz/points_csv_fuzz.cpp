@@ -34,7 +34,7 @@ void read_table(std::span<const std::byte> input) {
 }  // namespace
 
 TEST_CASE("no bytes make reading a table of places crash, and each line has a place or a complaint") {
-  run_fuzz(read_table,
+  run_fuzz("points_csv", read_table,
            {bytes_of("\xEF\xBB\xBFid,lon,lat\n1,2,3\n\"a \"\"b\"\"\",4,5\n"),
             bytes_of("x;y;z\n-1,5;2,5;3\n4;5;6\n"), bytes_of("1 2 3\n4 5 6\n"), bytes_of("lon\tlat\n1\t2\n")},
            3000);

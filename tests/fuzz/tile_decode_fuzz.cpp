@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "format/height_block.h"
 #include "cairn/texture_tile.h"
+#include "format/height_block.h"
 #include "tests/support/fuzz.h"
 #include "tests/support/test_pack.h"
 
@@ -32,7 +32,7 @@ TEST_CASE("no bytes make decoding a height tile crash, in any codec") {
       seeds.push_back(encode_height_block(surface.tile({2, 8, 4}), *codec));
     }
   }
-  test::run_fuzz(height_block, seeds, 5000);
+  test::run_fuzz("height_block", height_block, seeds, 5000);
 }
 
 TEST_CASE("no bytes make decoding a texture tile crash") {
@@ -43,7 +43,7 @@ TEST_CASE("no bytes make decoding a texture tile crash") {
     for (std::size_t i = 0; i < tile.texels.size(); i += 37) tile.texels[i] = static_cast<std::byte>(i);
     seeds.push_back(encode_texture_block(tile));
   }
-  test::run_fuzz(texture_block, seeds, 5000);
+  test::run_fuzz("texture_block", texture_block, seeds, 5000);
 }
 
 }  // namespace cairn

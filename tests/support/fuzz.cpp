@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <random>
+
+#include "tests/support/test_pack.h"
 
 namespace cairn::test {
 namespace {
@@ -48,9 +51,20 @@ void move(Bytes& bytes, Random& random) {
   std::memmove(bytes.data() + to, bytes.data() + from, count);
 }
 
+/// The files of the folder in the order of their names.
+void add_corpus(const std::filesystem::path& folder, std::vector<Bytes>& seeds) {
+  if (!std::filesystem::is_directory(folder)) return;
+  std::vector<std::filesystem::path> files;
+  for (const auto& file : std::filesystem::directory_iterator(folder)) files.push_back(file.path());
+  std::sort(files.begin(), files.end());
+  for (const auto& file : files) seeds.push_back(read_bytes(file));
+}
+
 }  // namespace
 
-void run_fuzz(FuzzTarget target, const std::vector<Bytes>& seeds, int count) {
+void run_fuzz(const std::string& name, FuzzTarget target, const std::vector<Bytes>& given, int count) {
+  std::vector<Bytes> seeds = given;
+  add_corpus(std::filesystem::path(CAIRN_FUZZ_CORPUS) / name, seeds);
   constexpr std::array mutations = {flip, flip, overwrite, overwrite, move, insert, cut};
   Random random(20260101);
   for (int i = 0; i < count; ++i) {

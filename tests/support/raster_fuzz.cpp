@@ -7,7 +7,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "builder/raster/raster_source.h"
 #include "tests/support/test_data.h"
 
 namespace cairn::test {
@@ -28,14 +27,15 @@ void check(const Status& status, const std::string& name) {
 
 }  // namespace
 
-void open_and_read(const char* format, const std::string& name, std::span<const std::byte> bytes) {
+void open_and_read(const char* format, const std::string& name, std::span<const std::byte> bytes,
+                   const std::optional<GeoBounds>& bounds) {
   const TempDir folder;
   const auto path = folder.path() / name;
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   const RasterFormat* reader = format_named(format);
   REQUIRE(reader != nullptr);
-  auto source = reader->open(path, {.bounds = {}, .cache_bytes = 64 * 1024});
+  auto source = reader->open(path, {.bounds = bounds, .cache_bytes = 64 * 1024});
   if (!source) return check(source.error(), name);
   const RasterInfo& info = (*source)->info();
   const std::int64_t columns = std::min<std::int64_t>(info.columns, 64),
