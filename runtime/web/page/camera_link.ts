@@ -42,7 +42,7 @@ export function cameraOf(camera: Cesium.Camera): NonNullable<Link["camera"]> {
     degrees(longitude, 6),
     degrees(latitude, 6),
     round(height, 1),
-    degrees(camera.heading, 2),
+    degrees(camera.heading, 2) % 360, // a hair west of north rounds to 360
     degrees(camera.pitch, 2),
   ];
 }
