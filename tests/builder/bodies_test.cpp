@@ -202,6 +202,64 @@ TEST_CASE("an equirectangular map of a sphere lies where its formula puts it") {
   CHECK(baked.worst_m <= kErrorBound);
 }
 
+TEST_CASE("a PDS3 label's offset that is the sphere's radius gives heights above the sphere") {
+  const TempDir folder;
+  std::string samples, label;
+  for (int r = 0; r < kRows; ++r) {
+    for (int c = 0; c < kColumns; ++c) {
+      const auto stored = static_cast<std::uint16_t>(std::lround(2 * height_of(c, r)));
+      samples += {static_cast<char>(stored & 255), static_cast<char>(stored >> 8)};
+    }
+  }
+  // Four posts a degree, the first at 20.125°E, 15.875°N.
+  for (const char* line : {"PDS_VERSION_ID = PDS3",
+                           "RECORD_TYPE = FIXED_LENGTH",
+                           "RECORD_BYTES = 96",
+                           "FILE_RECORDS = 40",
+                           "^IMAGE = \"a.img\"",
+                           "OBJECT = IMAGE",
+                           "LINES = 40",
+                           "LINE_SAMPLES = 48",
+                           "SAMPLE_TYPE = LSB_INTEGER",
+                           "SAMPLE_BITS = 16",
+                           "SCALING_FACTOR = 0.5",
+                           "OFFSET = 1737400.",
+                           "END_OBJECT = IMAGE",
+                           "OBJECT = IMAGE_MAP_PROJECTION",
+                           "MAP_PROJECTION_TYPE = \"SIMPLE CYLINDRICAL\"",
+                           "A_AXIS_RADIUS = 1737.4 <km>",
+                           "B_AXIS_RADIUS = 1737.4 <km>",
+                           "C_AXIS_RADIUS = 1737.4 <km>",
+                           "TARGET_NAME = MOON",
+                           "POSITIVE_LONGITUDE_DIRECTION = \"EAST\"",
+                           "CENTER_LATITUDE = 0.0 <deg>",
+                           "CENTER_LONGITUDE = 0.0 <deg>",
+                           "LINE_PROJECTION_OFFSET = 63.5",
+                           "SAMPLE_PROJECTION_OFFSET = -80.5",
+                           "MAP_RESOLUTION = 4.0 <pix/deg>",
+                           "MAP_SCALE = 7.580838 <km/pix>",
+                           "END_OBJECT = IMAGE_MAP_PROJECTION",
+                           "END"})
+    label += std::string(line) + "\r\n";
+  write_text(folder.path() / "a.img", samples);
+  write_text(folder.path() / "a.lbl", label);
+  const BuildOptions options = options_for({folder.path() / "a.lbl"}, folder.path() / "a.cairn");
+  bake(options);
+  CHECK(body_in(options.session.target) == *known_body("Moon"));
+  const auto pack = PackReader::open(options.session.target);
+  REQUIRE(pack.ok());
+  PackSampler sampler(*pack, 64);
+  for (int r = 0; r < kRows; ++r) {
+    for (int c = 0; c < kColumns; ++c) {
+      const auto found = sampler.height_at({20.125 + c / 4.0, 15.875 - r / 4.0});
+      REQUIRE(found.ok());
+      REQUIRE(found->has_value());
+      // Samples are half metres, and the label's scale has 7 digits: 0.02 m of place.
+      REQUIRE(std::abs((*found)->metres - std::round(2 * height_of(c, r)) / 2) <= kErrorBound);
+    }
+  }
+}
+
 TEST_CASE("sources of different bodies or ellipsoids make no pack") {
   const TempDir folder;
   const auto write = [&](const char* name, const TiffRecipe& recipe) {

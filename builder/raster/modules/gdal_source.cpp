@@ -199,6 +199,16 @@ double metres_of_vertical_part(GDALDatasetH dataset) {
   return direction == OAO_Down ? 0 : OSRGetTargetLinearUnits(crs, "VERT_CS", nullptr);
 }
 
+/// Labels of planetary products (LOLA's of PDS3) give distances from the centre: the offset is the radius of
+/// the sphere, above which the heights are. An ellipsoid has no one radius; such posts count as impossible.
+void subtract_radius(GDALDatasetH dataset, HeightTags& tags) {
+  OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
+  if (crs == nullptr || tags.metres != 1) return;
+  const double radius_m = OSRGetSemiMajor(crs, nullptr);
+  const bool is_sphere = OSRGetSemiMinor(crs, nullptr) == radius_m;
+  if (is_sphere && std::abs(tags.offset - radius_m) <= 1e-3 * radius_m) tags.offset -= radius_m;
+}
+
 /// Only few formats have units of bands; of the others it is the CRS that says it.
 HeightTags height_tags_of(GDALDatasetH dataset, GDALRasterBandH band) {
   HeightTags tags;
@@ -212,6 +222,7 @@ HeightTags height_tags_of(GDALDatasetH dataset, GDALRasterBandH band) {
   if (has != 0 && scale != 0) tags.scale = scale;
   const double offset = GDALGetRasterOffset(band, &has);
   if (has != 0) tags.offset = offset;
+  subtract_radius(dataset, tags);
   return tags;
 }
 
