@@ -31,8 +31,8 @@ Bytes png_bytes(png_uint_32 format) {
   image.format = format;
   std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(image));
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i * 37);
+  image.colormap_entries = 256;  // every byte is an index then
   std::vector<std::uint8_t> map(PNG_IMAGE_COLORMAP_SIZE(image) + 1);
-  image.colormap_entries = 200;
   png_alloc_size_t size = 0;
   REQUIRE(png_image_write_to_memory(&image, nullptr, &size, 0, pixels.data(), 0, map.data()) != 0);
   Bytes file(size);

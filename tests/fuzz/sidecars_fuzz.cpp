@@ -43,8 +43,7 @@ void prj(std::span<const std::byte> input) {
 void wkt(std::span<const std::byte> input) {
   Georeference georeference;
   (void)set_crs_of_wkt(georeference, text_of(input));
-  const std::string_view name = name_of_wkt(text_of(input));
-  REQUIRE(name.size() <= input.size());
+  (void)name_of_wkt(text_of(input));
 }
 
 void pam(std::span<const std::byte> input) {

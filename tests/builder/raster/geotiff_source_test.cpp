@@ -217,9 +217,9 @@ TEST_CASE("Scale, offset and feet become metres") {
   write_tiff(path, recipe);
   CHECK(all_heights(*opened(path))[5] == Approx(test_height(5, 0) * 1200.0 / 3937));
   recipe.gdal_metadata =
-      "<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">fathom</Item></GDALMetadata>";
+      "<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">furlong</Item></GDALMetadata>";
   write_tiff(path, recipe);
-  CHECK(contains(complaint_of(path), "fathom"));
+  CHECK(contains(complaint_of(path), "furlong"));
 }
 
 TEST_CASE("UTM north and south, spelt by code or by parameters, and Web Mercator are known") {
