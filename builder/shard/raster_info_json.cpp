@@ -111,6 +111,7 @@ Json to_json(const RasterInfo& info) {
       {"type", static_cast<int>(type)},
       {"whole_metres", whole_metres},
       {"georeference", json_of(georeference)},
+      {"body", {body.name, json_of(body.shape.semi_major_m), json_of(body.shape.semi_minor_m)}},
       {"bounds", {json_of(bounds.west), json_of(bounds.south), json_of(bounds.east), json_of(bounds.north)}}};
   if (nodata) json["nodata"] = json_of(*nodata);
   if (!unit.empty()) json["unit"] = unit;

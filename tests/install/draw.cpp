@@ -81,6 +81,8 @@ Heights heights_of(const std::vector<cairn::SurfaceTextures>& tiles, int size) {
   Heights heights;
   glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &heights.texture);
   glTextureStorage3D(heights.texture, 1, GL_R16UI, size, size, GLsizei(tiles.size()));
+  glTextureParameteri(heights.texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureParameteri(heights.texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 2);
   for (const cairn::SurfaceTextures& tile : tiles) {
     const int layer = int(heights.layers.size());
