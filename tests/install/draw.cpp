@@ -1,11 +1,11 @@
 // Draws a pack with a renderer of its own over cairn::surface, and compares its depth with that of cairn::gl.
+#include <map>
+
 #include <cairn/gl_terrain.h>
 #include <cairn/surface.h>
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 #include <glm/gtc/type_ptr.hpp>
-
-#include <map>
 
 constexpr int kWidth = 640, kHeight = 360;
 
@@ -15,24 +15,32 @@ layout(location = 1) in vec3 low;
 layout(location = 2) in float to_coarser;
 layout(location = 3) in vec2 place;
 layout(location = 0) out vec2 in_patch;
+layout(location = 1) out vec3 from_eye;
 layout(location = 0) uniform mat4 clip_from_eye;
 layout(location = 1) uniform vec3 eye_high;
 layout(location = 2) uniform vec3 eye_low;
 layout(location = 3) uniform float coarser_share;
 void main() {
-  vec3 from_eye = (high - eye_high) + (low - eye_low);
+  from_eye = (high - eye_high) + (low - eye_low);
   vec3 up = normalize(eye_high + from_eye);
   gl_Position = clip_from_eye * vec4(from_eye + up * to_coarser * coarser_share, 1.0);
   in_patch = place / 32768.0;
 })";
 
-// A place whose height has a part of a void texel is a hole.
+// A place whose height has a part of a void texel is a hole, and through it the underside of what lies beyond
+// the horizon must not show: ground without heights is flat.
 const char* const kFragment = R"(#version 450
 layout(location = 0) in vec2 in_patch;
+layout(location = 1) in vec3 from_eye;
+layout(location = 1) uniform vec3 eye_high;
+layout(location = 5) uniform vec3 radii;
 layout(location = 4) uniform vec4 window;  // where the patch lies in its tile, and the tile's layer; < 0: none
 layout(binding = 0) uniform usampler2DArray heights;
 void main() {
-  if (window.w < 0) return;
+  if (window.w < 0) {
+    if (dot((eye_high + from_eye) / (radii * radii), from_eye) > 0) discard;
+    return;
+  }
   float size = float(textureSize(heights, 0).x);
   vec2 at = (window.xy + clamp(in_patch, 0.0, 1.0) * window.z) * (size - 1.0);
   vec2 part = fract(at), rest = 1.0 - part;
@@ -139,7 +147,8 @@ void draw(const cairn::SurfaceFrame& frame, const Heights& heights) {
 
 int main(int argc, char** argv) {
   if (argc != 4) return std::fprintf(stderr, "usage: draw PACK LON LAT\n"), 2;
-  const EGLDisplay display = eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+  const EGLDisplay display =
+      eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
   const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5, EGL_NONE};
   eglInitialize(display, nullptr, nullptr);
   eglBindAPI(EGL_OPENGL_API);
@@ -193,6 +202,8 @@ int main(int argc, char** argv) {
     glUniformMatrix4fv(0, 1, GL_FALSE, glm::value_ptr(glm::mat4(cairn::clip_from_eye(view))));
     glUniform3fv(1, 1, glm::value_ptr(high));
     glUniform3fv(2, 1, glm::value_ptr(low));
+    const cairn::Ellipsoid& shape = pack->header().body.shape;
+    glUniform3f(5, float(shape.semi_major_m), float(shape.semi_major_m), float(shape.semi_minor_m));
     draw(frame, heights);
   });
 
@@ -200,10 +211,12 @@ int main(int argc, char** argv) {
   double worst = 0;
   std::size_t compared = 0;
   for (int i = kWidth + 1; i < kWidth * (kHeight - 1) - 1; ++i) {
-    const auto [least, most] = std::minmax({expected[i - kWidth], expected[i - 1], expected[i + 1], expected[i + kWidth]});
+    const auto [least, most] =
+        std::minmax({expected[i - kWidth], expected[i - 1], expected[i + 1], expected[i + kWidth]});
     if (most <= 0 && expected[i] <= 0 && drawn[i] > 0) worst = kHeight;  // ground where there is a hole
     if (least <= 0 || most > 1.05f * least) continue;
-    worst = std::max(worst, std::abs(double(drawn[i]) / expected[i] - 1) * (kHeight / 2 / std::tan(glm::radians(30.0))));
+    worst = std::max(
+        worst, std::abs(double(drawn[i]) / expected[i] - 1) * (kHeight / 2 / std::tan(glm::radians(30.0))));
     ++compared;
   }
   std::printf("%zu patches, %llu triangles; largest difference %.4f px of %zu\n", frame.mesh.draws.size(),

@@ -152,6 +152,8 @@ float haze(float distance) {
 
 void main() {
   vec3 up = normalize((eye_geocentric + from_eye) / (radii * radii));
+  // Ground without heights is flat. Its underside shows through voids only, from beyond the horizon.
+  if (!has_heights() && dot(up, from_eye) > 0.0) discard;
   vec3 east = normalize(vec3(-up.y, up.x, 1e-9 * up.z));
   vec3 north = cross(up, east);
   vec3 n = normal_east_north_up();
