@@ -8,9 +8,9 @@
 #include "builder/bake/layer_bake.h"
 #include "builder/bake/memory_budget.h"
 #include "builder/bake/thread_arena.h"
-#include "builder/bake_plan.h"
-#include "builder/kept_units.h"
-#include "builder/make_pack.h"
+#include "builder/pack/bake_plan.h"
+#include "builder/pack/kept_units.h"
+#include "builder/pack/make_pack.h"
 #include "builder/raster/body_placement.h"
 
 namespace cairn {

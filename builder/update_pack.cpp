@@ -14,9 +14,9 @@
 #include "builder/bake/memory_budget.h"
 #include "builder/bake/output_check.h"
 #include "builder/bake/thread_arena.h"
-#include "builder/kept_units.h"
-#include "builder/make_pack.h"
-#include "builder/options_json.h"
+#include "builder/pack/kept_units.h"
+#include "builder/pack/make_pack.h"
+#include "builder/pack/options_json.h"
 #include "cairn/pack_reader.h"
 #include "cairn/update.h"
 

@@ -9,7 +9,7 @@
 #include "builder/app/bake_progress.h"
 #include "builder/app/pack_metadata.h"
 #include "builder/heights/measure_pack.h"
-#include "builder/options_json.h"
+#include "builder/pack/options_json.h"
 #include "builder/raster/expand_inputs.h"
 #include "builder/raster/raster_source.h"
 

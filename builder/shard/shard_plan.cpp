@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "builder/shard/raster_info_json.h"
+#include "builder/raster/raster_info_json.h"
 #include "format/checksum.h"
 #include "format/file.h"
 

@@ -1,4 +1,4 @@
-#include "builder/options_json.h"
+#include "builder/pack/options_json.h"
 
 #include <array>
 #include <string_view>

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "builder/bake/bake_session.h"
-#include "builder/unit_keys.h"
+#include "builder/pack/unit_keys.h"
 #include "cairn/pack_layout.h"
 #include "cairn/status.h"
 

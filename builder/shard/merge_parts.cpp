@@ -7,11 +7,11 @@
 #include "builder/bake/layer_bake.h"
 #include "builder/bake/memory_budget.h"
 #include "builder/bake/thread_arena.h"
-#include "builder/kept_units.h"
-#include "builder/make_pack.h"
-#include "builder/planned_bake.h"
+#include "builder/pack/kept_units.h"
+#include "builder/pack/make_pack.h"
 #include "builder/shard/part_sink.h"
-#include "builder/shard_tiles.h"
+#include "builder/shard/planned_bake.h"
+#include "builder/shard/shard_tiles.h"
 #include "cairn/shards.h"
 
 namespace cairn {

@@ -1,4 +1,4 @@
-#include "builder/make_pack.h"
+#include "builder/pack/make_pack.h"
 
 #include <algorithm>
 #include <string>
@@ -9,8 +9,8 @@
 
 #include "builder/bake/memory_budget.h"
 #include "builder/heights/rqt_layer.h"
-#include "builder/options_json.h"
-#include "builder/pack_metadata.h"
+#include "builder/pack/options_json.h"
+#include "builder/pack/pack_metadata.h"
 #include "format/pack_writer.h"
 
 namespace cairn {

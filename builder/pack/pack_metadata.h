@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "builder/bake_plan.h"
 #include "builder/heights/height_layer.h"
+#include "builder/pack/bake_plan.h"
 #include "cairn/build_options.h"
 #include "cairn/status.h"
 #include "format/pack_writer.h"

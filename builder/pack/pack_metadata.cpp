@@ -1,4 +1,4 @@
-#include "builder/pack_metadata.h"
+#include "builder/pack/pack_metadata.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #include "builder/heights/rqt_layer.h"
 #include "builder/imagery/texture_tile_encode.h"
-#include "builder/options_json.h"
+#include "builder/pack/options_json.h"
 #include "builder/raster/footprint.h"
 
 namespace cairn {

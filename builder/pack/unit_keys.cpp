@@ -1,4 +1,4 @@
-#include "builder/unit_keys.h"
+#include "builder/pack/unit_keys.h"
 
 #include <algorithm>
 #include <optional>
@@ -12,8 +12,8 @@
 #include "builder/imagery/edge_texels.h"
 #include "builder/mosaic/lattice.h"
 #include "builder/mosaic/mosaic_reach.h"
-#include "builder/options_json.h"
-#include "builder/shard/raster_info_json.h"
+#include "builder/pack/options_json.h"
+#include "builder/raster/raster_info_json.h"
 #include "format/bytes.h"
 #include "format/checksum.h"
 

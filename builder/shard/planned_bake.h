@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "builder/bake_plan.h"
+#include "builder/pack/bake_plan.h"
 #include "builder/shard/shard_plan.h"
 #include "cairn/build_options.h"
 

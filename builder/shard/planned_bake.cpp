@@ -1,4 +1,4 @@
-#include "builder/planned_bake.h"
+#include "builder/shard/planned_bake.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include "builder/bake/fingerprint.h"
-#include "builder/options_json.h"
+#include "builder/pack/options_json.h"
 
 namespace cairn {
 namespace {

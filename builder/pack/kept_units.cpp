@@ -1,4 +1,4 @@
-#include "builder/kept_units.h"
+#include "builder/pack/kept_units.h"
 
 #include <algorithm>
 #include <span>
@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "builder/bake/bake_target.h"
-#include "builder/options_json.h"
+#include "builder/pack/options_json.h"
 #include "cairn/pack_reader.h"
 #include "format/bytes.h"
 

@@ -1,6 +1,6 @@
 // Options as JSON: what the metadata states, the fingerprint hashes and `verify --against` reads back.
 
-#include "builder/options_json.h"
+#include "builder/pack/options_json.h"
 
 #include <functional>
 #include <string>

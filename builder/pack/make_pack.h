@@ -6,9 +6,9 @@
 
 #include "builder/bake/bake_session.h"
 #include "builder/bake/tile_tree.h"
-#include "builder/bake_plan.h"
 #include "builder/heights/height_layer.h"
 #include "builder/imagery/imagery_layer.h"
+#include "builder/pack/bake_plan.h"
 #include "cairn/build.h"
 #include "cairn/progress.h"
 

@@ -1,4 +1,4 @@
-#include "builder/shard_tiles.h"
+#include "builder/shard/shard_tiles.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "builder/bake_plan.h"
+#include "builder/pack/bake_plan.h"
 #include "cairn/build_options.h"
 #include "cairn/tile_id.h"
 

@@ -1,4 +1,4 @@
-#include "builder/shard/raster_info_json.h"
+#include "builder/raster/raster_info_json.h"
 
 #include <bit>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "builder/bake_plan.h"
+#include "builder/pack/bake_plan.h"
 
 #include <algorithm>
 
