@@ -26,8 +26,12 @@ class File {
   /// freed when it is closed, however the process ends.
   static Result<File> open_scratch(const std::filesystem::path& folder);
 
-  File(File&& other) noexcept;
-  File& operator=(File&& other) noexcept;
+  File(File&& other) noexcept : handle_(std::exchange(other.handle_, -1)), path_(std::move(other.path_)) {}
+  File& operator=(File&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    std::swap(path_, other.path_);
+    return *this;
+  }
   ~File();
 
   const std::filesystem::path& path() const { return path_; }

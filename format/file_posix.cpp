@@ -83,15 +83,6 @@ int descriptor_of(std::intptr_t handle) {
 
 }  // namespace
 
-File::File(File&& other) noexcept
-    : handle_(std::exchange(other.handle_, -1)), path_(std::move(other.path_)) {}
-
-File& File::operator=(File&& other) noexcept {
-  std::swap(handle_, other.handle_);
-  std::swap(path_, other.path_);
-  return *this;
-}
-
 File::~File() {
   if (handle_ >= 0) ::close(descriptor_of(handle_));
 }

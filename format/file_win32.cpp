@@ -75,15 +75,6 @@ Result<File> File::open_scratch(const std::filesystem::path& folder) {
   return File(number_of(handle), name);
 }
 
-File::File(File&& other) noexcept
-    : handle_(std::exchange(other.handle_, -1)), path_(std::move(other.path_)) {}
-
-File& File::operator=(File&& other) noexcept {
-  std::swap(handle_, other.handle_);
-  std::swap(path_, other.path_);
-  return *this;
-}
-
 File::~File() {
   if (handle_ != -1) ::CloseHandle(handle_of(handle_));
 }

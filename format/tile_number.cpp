@@ -34,10 +34,13 @@ std::uint64_t first_of(int level) {
 
 }  // namespace
 
+std::uint64_t z_curve(std::uint64_t x, std::uint64_t y) {
+  return spread(x) | spread(y) << 1;
+}
+
 std::uint64_t tile_number(const TileId& id) {
   assert(is_valid(id));
-  return first_of(id.level) +
-         (spread(static_cast<std::uint32_t>(id.x)) | spread(static_cast<std::uint32_t>(id.y)) << 1);
+  return first_of(id.level) + z_curve(static_cast<std::uint32_t>(id.x), static_cast<std::uint32_t>(id.y));
 }
 
 std::optional<TileId> tile_of_number(std::uint64_t number) {

@@ -8,6 +8,10 @@
 
 namespace cairn {
 
+/// A place along the Z curve: the bits of x at the even places, those of y at the odd ones. REQUIRES: x and y
+/// below 2^32.
+std::uint64_t z_curve(std::uint64_t x, std::uint64_t y);
+
 /// The tile's number: levels from the coarsest on, within a level along a Z curve, so that the children of a
 /// tile have four numbers in a row, in the order of their quadrants. Below 2^59.
 ///

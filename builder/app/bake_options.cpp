@@ -48,16 +48,6 @@ Status use_memory(std::size_t mebibytes, BuildOptions& options) {
       fmt::format("--memory: expected {} MiB or more for {} threads, found {}", least, threads, mebibytes));
 }
 
-Status find_inputs(const std::vector<std::string>& arguments, const InputSearch& search,
-                   std::vector<std::filesystem::path>& out) {
-  auto found = expand_inputs(arguments, search);
-  if (!found) return found.error();
-  for (const auto& file : found->without_raster)
-    fmt::print(stderr, "cairn: warning: {}: passed over, since no raster is in it\n", file.string());
-  out = std::move(found->files);
-  return {};
-}
-
 /// A pattern of --sources that no DEM matches is a slip of the pen.
 Status check_rules(const MosaicOptions& mosaic) {
   for (const SourceRule& rule : mosaic.source_rules) {
@@ -149,6 +139,16 @@ void add_imagery_options(CLI::App& verb, BakeArguments& arguments) {
 }
 
 }  // namespace
+
+Status find_inputs(const std::vector<std::string>& arguments, const InputSearch& search,
+                   std::vector<std::filesystem::path>& out) {
+  auto found = expand_inputs(arguments, search);
+  if (!found) return found.error();
+  for (const auto& file : found->without_raster)
+    fmt::print(stderr, "cairn: warning: {}: passed over, since no raster is in it\n", file.string());
+  out = std::move(found->files);
+  return {};
+}
 
 Result<BuildOptions> options_from(const BakeArguments& arguments) {
   BuildOptions options = arguments.options;

@@ -29,6 +29,10 @@ struct BakeArguments {
 /// Adds inputs and all options that decide the bytes of a pack.
 void add_bake_options(CLI::App& verb, BakeArguments& arguments);
 
+/// Puts the rasters that the arguments name into `out`, and warns of archives that hold none.
+Status find_inputs(const std::vector<std::string>& arguments, const InputSearch& search,
+                   std::vector<std::filesystem::path>& out);
+
 /// Adds --memory and --threads.
 void add_machine_options(CLI::App& verb, BakeArguments& arguments);
 

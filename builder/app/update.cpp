@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "builder/app/bake_options.h"
 #include "builder/app/bake_report.h"
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
 #include "builder/app/watched_work.h"
-#include "builder/raster/expand_inputs.h"
 
 namespace cairn {
 namespace {
@@ -29,17 +29,6 @@ struct UpdateArguments {
   std::size_t memory_mib = 1024;
   bool json = false;
 };
-
-Status find_files(const std::vector<std::string>& arguments, const InputSearch& search,
-                  std::vector<std::filesystem::path>& out) {
-  if (arguments.empty()) return {};
-  auto found = expand_inputs(arguments, search);
-  if (!found) return found.error();
-  for (const auto& file : found->without_raster)
-    fmt::print(stderr, "cairn: warning: {}: passed over, since no raster is in it\n", file.string());
-  out = std::move(found->files);
-  return {};
-}
 
 void print_plan(const UpdateReport& report, bool json) {
   if (json) {
@@ -57,8 +46,11 @@ void print_plan(const UpdateReport& report, bool json) {
 
 Status update(UpdateArguments arguments) {
   UpdateOptions& options = arguments.options;
-  if (auto status = find_files(arguments.inputs, arguments.search, options.dems); !status) return status;
-  if (auto status = find_files(arguments.images, arguments.search, options.images); !status) return status;
+  const auto find = [&](const std::vector<std::string>& names, std::vector<std::filesystem::path>& files) {
+    return names.empty() ? Status() : find_inputs(names, arguments.search, files);
+  };
+  if (auto status = find(arguments.inputs, options.dems); !status) return status;
+  if (auto status = find(arguments.images, options.images); !status) return status;
   options.removed.assign(arguments.removed.begin(), arguments.removed.end());
   if (options.dems.empty() && options.images.empty() && options.removed.empty())
     return usage_error("update: expected inputs, images after --imagery, or --remove, found none of them");

@@ -2,11 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "format/delaunay.h"
 
 namespace cairn {
+
+/// Stands for the height of a place that another grid has.
+inline constexpr float kElsewhere = std::numeric_limits<float>::quiet_NaN();
 
 /// Heights on a regular grid, in a mesh's own coordinates.
 struct HeightSamples {
@@ -15,7 +19,7 @@ struct HeightSamples {
   std::int64_t step = 1;  ///< from one sample to the next
   int columns = 0;
   int rows = 0;
-  std::vector<float> metres;        ///< row-major, from the south-west; NaN where another grid has the place
+  std::vector<float> metres;        ///< row-major, from the south-west, or kElsewhere
   std::vector<std::uint8_t> voids;  ///< 1 where the height stands for a void; empty where none does
   double error_m = 0;               ///< what the ground is off the bilinear surface of these samples
 

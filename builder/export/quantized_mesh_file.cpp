@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "format/tile_number.h"
+
 namespace cairn {
 namespace {
 
@@ -93,15 +95,7 @@ std::array<std::uint8_t, 2> oct_encoded(const Vector3& normal) {
   return {byte(x), byte(y)};
 }
 
-std::uint64_t spread(std::uint64_t v) {
-  v = (v | v << 16) & 0x0000FFFF0000FFFFu;
-  v = (v | v << 8) & 0x00FF00FF00FF00FFu;
-  v = (v | v << 4) & 0x0F0F0F0F0F0F0F0Fu;
-  v = (v | v << 2) & 0x3333333333333333u;
-  return (v | v << 1) & 0x5555555555555555u;
-}
-
-/// Triangles along a Morton curve and vertices by their first use.
+/// Triangles along a Z curve and vertices by their first use.
 struct Order {
   std::vector<std::array<std::uint32_t, 3>> triangles;  // by new numbers
   std::vector<std::uint32_t> old_of_new;
@@ -115,7 +109,7 @@ Order order_of(const QuantizedMesh& mesh) {
       u += mesh.u[i];
       v += mesh.v[i];
     }
-    keys.push_back(spread(u) | spread(v) << 1);
+    keys.push_back(z_curve(u, v));
   }
   std::vector<std::uint32_t> sorted(mesh.triangles.size());
   std::iota(sorted.begin(), sorted.end(), 0u);

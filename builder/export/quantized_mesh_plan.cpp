@@ -17,11 +17,6 @@ constexpr double kSteps = 32767;  // of a tile's height range
 /// A level is kept where the pack's own error leaves this share of the bound for the mesh.
 constexpr double kShareOfPack = 0.8;
 
-TickRect cut(const TickRect& a, const TickRect& b) {
-  return {std::max(a.west, b.west), std::max(a.south, b.south), std::min(a.east, b.east),
-          std::min(a.north, b.north)};
-}
-
 std::vector<TickRect> rects_of(const GeoBounds& region) {
   const auto tick = [](double degrees, double origin, double (*snap)(double)) {
     return static_cast<std::int64_t>(snap(std::ldexp(degrees - origin, kTickBits)));
@@ -29,9 +24,9 @@ std::vector<TickRect> rects_of(const GeoBounds& region) {
   std::vector<TickRect> rects;
   for (const double turn : {-360.0, 0.0, 360.0}) {
     const TickRect rect =
-        cut({tick(region.west + turn, -180, std::floor), tick(region.south, -90, std::floor),
-             tick(region.east + turn, -180, std::ceil), tick(region.north, -90, std::ceil)},
-            {0, 0, kTicksAround, kTicksPoleToPole});
+        intersection({tick(region.west + turn, -180, std::floor), tick(region.south, -90, std::floor),
+                      tick(region.east + turn, -180, std::ceil), tick(region.north, -90, std::ceil)},
+                     {0, 0, kTicksAround, kTicksPoleToPole});
     if (rect.width() > 0 && rect.height() > 0) rects.push_back(rect);
   }
   return rects;
@@ -99,7 +94,7 @@ void QuantizedMeshPlan::choose_height_steps(const Options& options) {
 bool QuantizedMeshPlan::has_data(const TickRect& rect, int level) const {
   if (regions_.empty()) return patches_->has_tile(rect, level);
   return std::any_of(regions_.begin(), regions_.end(), [&](const TickRect& region) {
-    const TickRect both = cut(rect, region);
+    const TickRect both = intersection(rect, region);
     return both.width() > 0 && both.height() > 0 && patches_->has_tile(both, level);
   });
 }

@@ -17,7 +17,6 @@
 namespace cairn {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr int kMostTries = 12;
 constexpr std::int64_t kParts = 8;  // of a step
 constexpr int kMostHalvings = 2;
@@ -181,7 +180,7 @@ void TileMaker::add_uncovered() {
         return x >= g.patch.area.west && x <= g.patch.area.east && y >= g.patch.area.south &&
                y <= g.patch.area.north;
       });
-      grid.metres.push_back(has ? kNan : 0);
+      grid.metres.push_back(has ? kElsewhere : 0);
     }
   }
   grid.voids.assign(grid.metres.size(), 1);

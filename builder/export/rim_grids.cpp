@@ -7,13 +7,7 @@
 namespace cairn {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr std::int64_t kBlockCells = 64;
-
-TickRect cut(const TickRect& a, const TickRect& b) {
-  return {std::max(a.west, b.west), std::max(a.south, b.south), std::min(a.east, b.east),
-          std::min(a.north, b.north)};
-}
 
 /// Whether the coarse cell around a place has its four corners. Cells are counted from the world's
 /// south-west.
@@ -60,7 +54,7 @@ HeightSamples rim_of(const MetreTile& fine, const TickRect& block, std::int64_t 
   if (std::find(is_rim.begin(), is_rim.end(), 1) == is_rim.end()) return {};
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   grid.voids.assign(count, 1);
-  grid.metres.assign(count, kNan);
+  grid.metres.assign(count, kElsewhere);
   for (std::int64_t y = block.south; y <= block.north; y += fine_step)
     for (std::int64_t x = block.west; x <= block.east; x += fine_step) {
       const double metres = fine.height_at(x, y);
@@ -83,7 +77,7 @@ HeightSamples rim_of(const MetreTile& fine, const TickRect& block, std::int64_t 
 
 Result<double> add_rim(const QuantizedMeshSource& source, const GeographicTile& tile, const Patch& patch,
                        std::int64_t step, double wanted_m, RimGrids& out) {
-  const TickRect rect = tile.rect(), area = cut(patch.area, rect);
+  const TickRect rect = tile.rect(), area = intersection(patch.area, rect);
   const PackPatches::Range range = source.patches.range_over(area, kMaxLevel);
   const double spread = std::max(range.highest_m, 0.0) - std::min(range.lowest_m, 0.0) + range.error_m;
   if (spread <= wanted_m) return spread;
@@ -97,7 +91,7 @@ Result<double> add_rim(const QuantizedMeshSource& source, const GeographicTile& 
     if (rim_step >= step || (fine.entry.flags & kHasVoids) == 0) continue;
     const auto samples = source.tiles.read(fine.entry);
     if (!samples) return samples.error();
-    TickRect within = cut(fine.area, area);
+    TickRect within = intersection(fine.area, area);
     within.west = (within.west + rim_step - 1) / rim_step * rim_step;
     within.south = (within.south + rim_step - 1) / rim_step * rim_step;
     within.east = within.east / rim_step * rim_step;
@@ -105,11 +99,11 @@ Result<double> add_rim(const QuantizedMeshSource& source, const GeographicTile& 
     const std::int64_t side = kBlockCells * rim_step;
     for (std::int64_t south = within.south; south < within.north; south += side)
       for (std::int64_t west = within.west; west < within.east; west += side) {
-        const TickRect block = cut({west, south, west + side, south + side}, within);
+        const TickRect block = intersection({west, south, west + side, south + side}, within);
         HeightSamples grid = rim_of(**samples, block, fine_step, rim_step, coarse, rect);
         if (grid.columns == 0) continue;
         grid.error_m += fine.error_m;
-        extend_ground(grid, kNan);
+        extend_ground(grid, kElsewhere);
         out.finest_step = std::min(out.finest_step, rim_step);
         out.grids.push_back(std::move(grid));
       }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -19,6 +20,12 @@ struct TickRect {
   std::int64_t width() const { return east - west; }
   std::int64_t height() const { return north - south; }
 };
+
+/// What two rectangles have in common; of no width or height where that is nothing.
+inline TickRect intersection(const TickRect& a, const TickRect& b) {
+  return {std::max(a.west, b.west), std::max(a.south, b.south), std::min(a.east, b.east),
+          std::min(a.north, b.north)};
+}
 
 inline constexpr int kTickBits = 30;  ///< of a degree
 inline constexpr std::int64_t kTicksAround = std::int64_t{360} << kTickBits;

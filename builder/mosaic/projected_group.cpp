@@ -33,10 +33,6 @@ IndexWindow grown(const SampleWindow& w, std::int64_t by) {
   return {{w.column - by, w.column + w.columns - 1 + by}, {w.row - by, w.row + w.rows - 1 + by}};
 }
 
-std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
-  return a >= 0 ? a / b : -((-a + b - 1) / b);
-}
-
 double samples_per_degree_at(int level, int tile_size) {
   return static_cast<double>(tile_size - 1) / tile_width_degrees(level);
 }

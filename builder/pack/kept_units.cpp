@@ -14,7 +14,6 @@
 namespace cairn {
 namespace {
 
-using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 // Absolute, so that the file is found from another folder; a name of GDAL's stays as it is.
@@ -25,24 +24,24 @@ std::string lasting_name(const fs::path& path) {
   return error ? path.string() : absolute.lexically_normal().string();
 }
 
-Json json_of(const fs::path& path, std::uint64_t hash, bool has_voids) {
+nlohmann::json json_of(const fs::path& path, std::uint64_t hash, bool has_voids) {
   return {{"path", lasting_name(path)}, {"xxh3", hash}, {"has_voids", has_voids}};
 }
 
-KeptUnits::Source source_from(const Json& json) {
+KeptUnits::Source source_from(const nlohmann::json& json) {
   return {json.at("path").get<std::string>(), json.at("xxh3").get<std::uint64_t>(),
           json.at("has_voids").get<bool>()};
 }
 
-Json describe(const PackId& pack, const BakePlan& layers, const BuildOptions& options,
-              const std::vector<std::uint64_t>& hashes) {
-  Json json{{"cairn_units", 1},
-            {"cairn", CAIRN_VERSION},
-            {"pack", to_string(pack)},
-            {"options", to_json(options)},
-            {"allow_error", options.heights.allow_error},
-            {"dems", Json::array()},
-            {"images", Json::array()}};
+nlohmann::json describe(const PackId& pack, const BakePlan& layers, const BuildOptions& options,
+                        const std::vector<std::uint64_t>& hashes) {
+  nlohmann::json json{{"cairn_units", 1},
+                      {"cairn", CAIRN_VERSION},
+                      {"pack", to_string(pack)},
+                      {"options", to_json(options)},
+                      {"allow_error", options.heights.allow_error},
+                      {"dems", nlohmann::json::array()},
+                      {"images", nlohmann::json::array()}};
   std::size_t file = 0;
   for (std::size_t s = 0; s < options.mosaic.inputs.size(); ++s, ++file)
     json["dems"].push_back(
@@ -86,18 +85,19 @@ bool read_last(std::span<const std::byte> bytes, KeptUnits& kept) {
   const auto text = in.take(in.read<std::uint64_t>());
   if (!in.ok()) return false;
   const auto* characters = reinterpret_cast<const char*>(text.data());
-  const Json json = Json::parse(characters, characters + text.size(), nullptr, false);
-  if (!json.is_object() || json.value("cairn_units", Json()) != 1 || json.value("cairn", "") != CAIRN_VERSION)
+  const nlohmann::json json = nlohmann::json::parse(characters, characters + text.size(), nullptr, false);
+  if (!json.is_object() || json.value("cairn_units", nlohmann::json()) != 1 ||
+      json.value("cairn", "") != CAIRN_VERSION)
     return false;
   try {
     const auto id = json.at("pack").get<std::string>();
     if (to_string(kept.pack) != id) return false;
     kept.options = json.at("options");
     kept.allow_error = json.at("allow_error").get<bool>();
-    for (const Json& source : json.at("dems")) kept.dems.push_back(source_from(source));
-    for (const Json& source : json.at("images")) kept.images.push_back(source_from(source));
+    for (const nlohmann::json& source : json.at("dems")) kept.dems.push_back(source_from(source));
+    for (const nlohmann::json& source : json.at("images")) kept.images.push_back(source_from(source));
     if (json.contains("geoid")) kept.geoid = source_from(json.at("geoid"));
-  } catch (const Json::exception&) {
+  } catch (const nlohmann::json::exception&) {
     return false;
   }
   return read_keys(in, kept.keys.heights) && read_keys(in, kept.keys.imagery) && in.remaining() == 0;
@@ -116,7 +116,7 @@ Status keep_units(BakeSession& session, const BakePlan& layers, const BuildOptio
   std::string text;
   try {
     text = describe(pack->header().id, layers, options, hashes).dump();
-  } catch (const Json::exception&) {  // names of files that are no UTF-8
+  } catch (const nlohmann::json::exception&) {  // names of files that are no UTF-8
     remove_journal(target);
     return {};
   }

@@ -15,6 +15,11 @@ struct IndexRange {
   friend bool operator==(const IndexRange&, const IndexRange&) = default;
 };
 
+/// a / b, rounded down. REQUIRES: b > 0.
+inline std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
+  return a / b - (a % b < 0 ? 1 : 0);
+}
+
 /// A rectangle of posts by their lattice indices, or of samples by theirs; x eastwards, y northwards. Heights
 /// of a window are row-major, rows south to north.
 struct IndexWindow {

@@ -13,11 +13,6 @@ namespace {
 
 // At finer ones a mesh's nodes cost as much as its places.
 constexpr std::int64_t kLeastFinerStep = 4;
-constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
-
-std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
-  return a / b - (a % b < 0 ? 1 : 0);
-}
 
 IndexRange nodes_around(IndexRange places, std::int64_t step) {
   return {floor_divide(places.first, step) - 1, floor_divide(places.last, step) + 2};
@@ -173,7 +168,7 @@ void ProjectionMesh::row(std::int64_t y, std::span<PlanePoint> out) const {
       finer_.at(cell).row(y, {to, static_cast<std::size_t>(next - x)});
       x = next;
     } else if (kind == Cell::unwanted) {
-      std::fill_n(to, next - x, PlanePoint{kNowhere, kNowhere});
+      std::fill_n(to, next - x, kNowhere);
       x = next;
     } else if (kind == Cell::smooth) {
       combine_run(&weights_[static_cast<std::size_t>(x - below * step_)], step,

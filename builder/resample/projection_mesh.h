@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <span>
 #include <vector>
@@ -15,6 +16,10 @@ struct PlanePoint {
   double x = 0;
   double y = 0;
 };
+
+/// What lies out of a projection's reach.
+inline constexpr PlanePoint kNowhere{std::numeric_limits<double>::quiet_NaN(),
+                                     std::numeric_limits<double>::quiet_NaN()};
 
 /// A step at which a mesh of a projection is usually within 1e-4 of a place, up to 84° of latitude: 16 places
 /// or 1/16 degree, the smaller; 64 where places are dense, 1/128 degree or less.

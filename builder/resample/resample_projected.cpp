@@ -12,7 +12,6 @@
 namespace cairn {
 namespace {
 
-constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
 constexpr double kReach = 4;                 // posts beyond the extent
 constexpr double kPositionTolerance = 1e-3;  // of a post; the fit corrects what comes of it
 constexpr double kPlaceTolerance = 1e-5;     // of a sample's height
@@ -115,7 +114,7 @@ bool ProjectedResampler::is_well_conditioned() const {
 // Beyond a pole there is no place.
 PlanePoint ProjectedResampler::position_of(std::int64_t x, std::int64_t y) const {
   const double lat = static_cast<double>(y) / samples_per_degree_ - 90;
-  if (std::abs(lat) > 90) return {kNowhere, kNowhere};
+  if (std::abs(lat) > 90) return kNowhere;
   const double lon = static_cast<double>(x) / samples_per_degree_ - 180;
   const auto post = georeference_.post_at({middle_lon_ + std::remainder(lon - middle_lon_, 360), lat});
   return {post.column, post.row};
@@ -150,7 +149,7 @@ SamplePositions ProjectedResampler::positions_of(IndexWindow samples) const {
       if (is_in_reach(p)) {
         posts.add(p);
       } else {
-        p = {kNowhere, kNowhere};
+        p = kNowhere;
       }
     }
   }

@@ -6,10 +6,6 @@
 namespace cairn {
 namespace {
 
-std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
-  return a / b - (a % b < 0 ? 1 : 0);
-}
-
 bool overlap(const IndexWindow& a, const IndexWindow& b) {
   return a.x.first <= b.x.last && b.x.first <= a.x.last && a.y.first <= b.y.last && b.y.first <= a.y.last;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "format/tile_number.h"
+
 namespace cairn {
 namespace {
 
@@ -12,18 +14,10 @@ struct Unit {
   std::uint64_t leaves = 0;
 };
 
-std::uint64_t spread(std::uint64_t x) {
-  x = (x | x << 16) & 0x0000FFFF0000FFFFu;
-  x = (x | x << 8) & 0x00FF00FF00FF00FFu;
-  x = (x | x << 4) & 0x0F0F0F0F0F0F0F0Fu;
-  x = (x | x << 2) & 0x3333333333333333u;
-  return (x | x << 1) & 0x5555555555555555u;
-}
-
 std::uint64_t place_of(const TileId& id) {
   const int finer = kMaxLevel - id.level;
   const auto x = static_cast<std::uint64_t>(id.x) << finer, y = static_cast<std::uint64_t>(id.y) << finer;
-  return spread(x) | spread(y) << 1;
+  return z_curve(x, y);
 }
 
 std::vector<Unit> units_with_leaves(const TileTree* tree) {

@@ -5,11 +5,10 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <tbb/task_arena.h>
 
-#include "builder/bake/pipeline.h"
 #include "builder/export/export_folder.h"
 #include "builder/export/export_format.h"
+#include "builder/export/mesh_export.h"
 #include "builder/export/pack_accuracy.h"
 #include "builder/export/quantized_mesh_file.h"
 #include "builder/export/quantized_mesh_tile.h"
@@ -21,10 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Unit = QuantizedMeshPlan::Unit;
 
-constexpr std::size_t kProgramBytes = std::size_t{64} << 20;
 constexpr std::size_t kThreadBytes = std::size_t{24} << 20;  // meshes and files of a unit
-/// Up to here a tile may hold more than a hundred of the pack's tiles: one is made at a time.
-constexpr int kLargeTileLevel = 6;
 /// Tiles of every so many levels list those below them. CesiumJS stops at a metadata extension without that.
 constexpr int kLevelsListed = 10;
 
@@ -36,10 +32,6 @@ struct MadeUnit {
   std::vector<MadeTile> tiles;
   ExportLevel level;
 };
-
-std::string name_of(const GeographicTile& tile) {
-  return fmt::format("{}/{}/{}", tile.level, tile.x, tile.y);
-}
 
 void add(const ExportLevel& part, ExportLevel& sum) {
   sum.level = part.level;
@@ -77,13 +69,9 @@ class QuantizedMeshExport {
   Result<ExportReport> run();
 
  private:
-  ExportHeights heights() const { return options_.heights.value_or(ExportHeights::ellipsoidal); }
   Status check() const;
-  std::string identity(VerticalDatum datum) const;
   Result<MadeUnit> make(const QuantizedMeshSource& source, const Unit& unit) const;
   Status take(ExportFolder& folder, std::size_t i, MadeUnit&& made);
-  Status make_units(const QuantizedMeshSource& source, ExportFolder& folder, std::size_t first,
-                    std::size_t end, std::size_t in_flight);
   Status finish(const QuantizedMeshPlan& plan, ExportFolder& folder, const ExportReport& report) const;
 
   const PackReader& pack_;
@@ -103,20 +91,6 @@ Status QuantizedMeshExport::check() const {
   if (!pack_.levels(Layer::heights))
     return bad_data(pack_.path().string() + ": expected height tiles, found none");
   return {};
-}
-
-std::string QuantizedMeshExport::identity(VerticalDatum datum) const {
-  Json json = {{"format", "quantized-mesh"},
-               {"pack", identity_of(pack_)},
-               {"datum", to_string(datum)},
-               {"ellipsoidal", heights() == ExportHeights::ellipsoidal},
-               {"geoid", options_.geoid.string()}};
-  if (options_.region)
-    json["region"] = {options_.region->west, options_.region->south, options_.region->east,
-                      options_.region->north};
-  if (options_.max_error_m) json["max_error_m"] = *options_.max_error_m;
-  if (options_.levels) json["finest"] = options_.levels->finest;
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 Result<MadeUnit> QuantizedMeshExport::make(const QuantizedMeshSource& source, const Unit& unit) const {
@@ -147,18 +121,8 @@ Status QuantizedMeshExport::take(ExportFolder& folder, std::size_t i, MadeUnit&&
   Json line = json_of(made.level);
   line["unit"] = i;
   if (auto status = folder.append(line.dump()); !status) return status;
-  now_.done = i + 1;
   now_.bytes_written += made.level.bytes;
-  return progress_(now_)
-             ? Status()
-             : Status(failed(fmt::format("export: cancelled after {} of {} parts", i + 1, now_.total)));
-}
-
-Status QuantizedMeshExport::make_units(const QuantizedMeshSource& source, ExportFolder& folder,
-                                       std::size_t first, std::size_t end, std::size_t in_flight) {
-  return run_in_order<MadeUnit>(
-      first, end, in_flight, [&](std::size_t i) { return make(source, units_[i]); },
-      [&](std::size_t i, MadeUnit&& made) { return take(folder, i, std::move(made)); });
+  return report_parts(i + 1, now_, progress_);
 }
 
 Status QuantizedMeshExport::finish(const QuantizedMeshPlan& plan, ExportFolder& folder,
@@ -207,14 +171,14 @@ Result<ExportReport> QuantizedMeshExport::run() {
   if (auto status = check(); !status) return status.error();
   const auto datum = datum_of(pack_, options_);
   if (!datum) return datum.error();
-  const auto shift = vertical_shift(*datum, heights(), options_.geoid);
+  const auto shift =
+      vertical_shift(*datum, options_.heights.value_or(ExportHeights::ellipsoidal), options_.geoid);
   if (!shift) return shift.error();
   const PackPatches patches(pack_, accuracy_.finest_error_m);
-  QuantizedMeshPlan::Options wanted{options_.region, std::nullopt, options_.max_error_m, bool(shift->metres)};
-  if (options_.levels) wanted.finest = options_.levels->finest;
-  const auto plan = QuantizedMeshPlan::make(pack_, patches, accuracy_.finest_error_m, wanted);
+  const auto plan = plan_mesh_export(pack_, patches, accuracy_.finest_error_m, options_, *shift);
   if (!plan) return plan.error();
-  auto folder = ExportFolder::begin(options_.target, identity(*datum), options_.resume);
+  auto folder = ExportFolder::begin(
+      options_.target, mesh_export_identity("quantized-mesh", pack_, options_, *datum), options_.resume);
   if (!folder) return folder.error();
   units_ = plan->units();
   now_.stage = "export";
@@ -225,22 +189,11 @@ Result<ExportReport> QuantizedMeshExport::run() {
       return bad_data(options_.target.string() + ".part: journal: expected a finished part, found " + line);
     if (const ExportLevel level = level_of(json); level.tiles > 0) add(level, levels_[level.level]);
   }
-  const std::size_t tile_bytes =
-      static_cast<std::size_t>(pack_.header().tile_size) * pack_.header().tile_size * sizeof(float);
-  const std::size_t fixed = kProgramBytes + static_cast<std::size_t>(options_.threads) * kThreadBytes;
-  const std::size_t spare = options_.memory_bytes > fixed ? options_.memory_bytes - fixed : 0;
-  MetreTiles tiles(pack_, std::max<std::size_t>(8, spare / tile_bytes));
+  MetreTiles tiles = tiles_within_memory(pack_, options_, kThreadBytes);
   const QuantizedMeshSource source{*plan, patches, tiles, *shift};
-  const auto large = static_cast<std::size_t>(
-      std::find_if(units_.begin(), units_.end(), [](const Unit& u) { return u.level > kLargeTileLevel; }) -
-      units_.begin());
-  const std::size_t done = folder->done().size();
-  tbb::task_arena arena(options_.threads);
-  const Status made = arena.execute([&]() -> Status {
-    if (auto status = make_units(source, *folder, std::min(done, large), large, 1); !status) return status;
-    return make_units(source, *folder, std::max(done, large), units_.size(),
-                      static_cast<std::size_t>(options_.threads) + 1);
-  });
+  const Status made = make_mesh_units<MadeUnit>(
+      units_, folder->done().size(), options_.threads, [&](const Unit& unit) { return make(source, unit); },
+      [&](std::size_t i, MadeUnit&& unit) { return take(*folder, i, std::move(unit)); });
   if (!made) return made.error();
   ExportReport report;
   report.datum = shift->datum;

@@ -10,13 +10,12 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <tbb/task_arena.h>
 
-#include "builder/bake/pipeline.h"
 #include "builder/export/export_folder.h"
 #include "builder/export/export_format.h"
 #include "builder/export/glb_writer.h"
 #include "builder/export/imagery_view.h"
+#include "builder/export/mesh_export.h"
 #include "builder/export/pack_accuracy.h"
 #include "builder/export/quantized_mesh_tile.h"
 
@@ -26,10 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Unit = QuantizedMeshPlan::Unit;
 
-constexpr std::size_t kProgramBytes = std::size_t{64} << 20;
 constexpr std::size_t kThreadBytes = std::size_t{48} << 20;
-constexpr int kLargeTileLevel =
-    6;  // up to here one tile is made at a time: it may hold a hundred of the pack's
 constexpr const char* kTilesetName = "tileset.json";
 constexpr int kLevelsOfFile = 4;    // a tileset file has so many levels, then other files go on
 constexpr double kSkirtErrors = 5;  // a skirt is so many errors of its level deep, as CesiumJS's own are
@@ -52,10 +48,6 @@ struct MadeTile {
   std::size_t vertices = 0;
 };
 using MadeUnit = std::vector<MadeTile>;
-
-std::string name_of(const GeographicTile& tile) {
-  return fmt::format("{}/{}/{}", tile.level, tile.x, tile.y);
-}
 
 /// Without the triangles over ground that the pack does not have, and without vertices that none uses.
 class GroundMesh {
@@ -125,14 +117,11 @@ class TilesetExport {
   Result<ExportReport> run();
 
  private:
-  std::string identity(VerticalDatum datum) const;
   Result<MadeUnit> make(const QuantizedMeshSource& source, const Unit& unit) const;
   Result<std::vector<std::byte>> image_of(const QuantizedMeshPlan& plan, const GeographicTile& tile,
                                           const GeoBounds& bounds) const;
   Status take(const QuantizedMeshPlan& plan, ExportFolder& folder, std::size_t i, MadeUnit&& made);
   Status count(const QuantizedMeshPlan& plan, const std::string& line);
-  Status make_units(const QuantizedMeshSource& source, ExportFolder& folder, std::size_t first,
-                    std::size_t end, std::size_t in_flight);
   std::vector<GeographicTile> children_of(const GeographicTile& tile) const;
   void gather();
   std::vector<GeographicTile> roots() const;
@@ -150,20 +139,6 @@ class TilesetExport {
   std::map<int, ExportLevel> levels_;
   Progress now_;
 };
-
-std::string TilesetExport::identity(VerticalDatum datum) const {
-  Json json = {{"format", "3dtiles"},
-               {"pack", identity_of(pack_)},
-               {"datum", to_string(datum)},
-               {"ellipsoidal", options_.heights != ExportHeights::as_stored},
-               {"geoid", options_.geoid.string()}};
-  if (options_.region)
-    json["region"] = {options_.region->west, options_.region->south, options_.region->east,
-                      options_.region->north};
-  if (options_.max_error_m) json["max_error_m"] = *options_.max_error_m;
-  if (options_.levels) json["finest"] = options_.levels->finest;
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 /// As many pixels as the imagery has there, within limits; nothing where it has no colour.
 Result<std::vector<std::byte>> TilesetExport::image_of(const QuantizedMeshPlan& plan,
@@ -218,10 +193,7 @@ Status TilesetExport::take(const QuantizedMeshPlan& plan, ExportFolder& folder, 
   const std::string text = line.dump();
   if (auto status = count(plan, text); !status) return status;
   if (auto status = folder.append(text); !status) return status;
-  now_.done = i + 1;
-  return progress_(now_)
-             ? Status()
-             : Status(failed(fmt::format("export: cancelled after {} of {} parts", i + 1, now_.total)));
+  return report_parts(i + 1, now_, progress_);
 }
 
 Status TilesetExport::count(const QuantizedMeshPlan& plan, const std::string& line) {
@@ -244,13 +216,6 @@ Status TilesetExport::count(const QuantizedMeshPlan& plan, const std::string& li
     level.worst = name_of(tile);
   }
   return {};
-}
-
-Status TilesetExport::make_units(const QuantizedMeshSource& source, ExportFolder& folder, std::size_t first,
-                                 std::size_t end, std::size_t in_flight) {
-  return run_in_order<MadeUnit>(
-      first, end, in_flight, [&](std::size_t i) { return make(source, units_[i]); },
-      [&](std::size_t i, MadeUnit&& made) { return take(source.plan, folder, i, std::move(made)); });
 }
 
 std::vector<GeographicTile> TilesetExport::children_of(const GeographicTile& tile) const {
@@ -358,32 +323,20 @@ Result<ExportReport> TilesetExport::run() {
       vertical_shift(*datum, options_.heights.value_or(ExportHeights::ellipsoidal), options_.geoid);
   if (!shift) return shift.error();
   const PackPatches patches(pack_, accuracy_.finest_error_m);
-  QuantizedMeshPlan::Options wanted{options_.region, std::nullopt, options_.max_error_m, bool(shift->metres)};
-  if (options_.levels) wanted.finest = options_.levels->finest;
-  const auto plan = QuantizedMeshPlan::make(pack_, patches, accuracy_.finest_error_m, wanted);
+  const auto plan = plan_mesh_export(pack_, patches, accuracy_.finest_error_m, options_, *shift);
   if (!plan) return plan.error();
-  auto folder = ExportFolder::begin(options_.target, identity(*datum), options_.resume);
+  auto folder = ExportFolder::begin(options_.target, mesh_export_identity("3dtiles", pack_, options_, *datum),
+                                    options_.resume);
   if (!folder) return folder.error();
   units_ = plan->units();
   now_ = {"export", 0, units_.size(), 0};
   for (const std::string& line : folder->done())
     if (auto status = count(*plan, line); !status) return status.error();
-  const std::size_t tile_bytes =
-      static_cast<std::size_t>(pack_.header().tile_size) * pack_.header().tile_size * sizeof(float);
-  const std::size_t fixed = kProgramBytes + static_cast<std::size_t>(options_.threads) * kThreadBytes;
-  const std::size_t spare = options_.memory_bytes > fixed ? options_.memory_bytes - fixed : 0;
-  MetreTiles tiles(pack_, std::max<std::size_t>(8, spare / tile_bytes));
+  MetreTiles tiles = tiles_within_memory(pack_, options_, kThreadBytes);
   const QuantizedMeshSource source{*plan, patches, tiles, *shift};
-  const auto large = static_cast<std::size_t>(
-      std::find_if(units_.begin(), units_.end(), [](const Unit& u) { return u.level > kLargeTileLevel; }) -
-      units_.begin());
-  const std::size_t done = folder->done().size();
-  tbb::task_arena arena(options_.threads);
-  const Status made = arena.execute([&]() -> Status {
-    if (auto status = make_units(source, *folder, std::min(done, large), large, 1); !status) return status;
-    return make_units(source, *folder, std::max(done, large), units_.size(),
-                      static_cast<std::size_t>(options_.threads) + 1);
-  });
+  const Status made = make_mesh_units<MadeUnit>(
+      units_, folder->done().size(), options_.threads, [&](const Unit& unit) { return make(source, unit); },
+      [&](std::size_t i, MadeUnit&& unit) { return take(*plan, *folder, i, std::move(unit)); });
   if (!made) return made.error();
   if (tiles_.empty())
     return failed(pack_.path().string() + ": expected heights in the region, the pack has none");

@@ -1,5 +1,6 @@
 import * as Cesium from "cesium";
 import { Layer, Pack, tileAt } from "../pack/index.js";
+import { tilingSchemeOf } from "./tiling_scheme.js";
 
 const SIDE = 64;
 const CELLS = 8;
@@ -43,10 +44,7 @@ export class DetailProvider {
     private readonly pack: Pack,
     private readonly detail: Detail,
   ) {
-    const { semiMajorM, semiMinorM } = pack.header;
-    this.tilingScheme = new Cesium.GeographicTilingScheme({
-      ellipsoid: new Cesium.Ellipsoid(semiMajorM, semiMajorM, semiMinorM),
-    });
+    this.tilingScheme = tilingSchemeOf(pack);
     this.maximumLevel = Math.max(0, (pack.levelRange(Layer.heights)?.finest ?? 0) + 8);
   }
 

@@ -1,6 +1,7 @@
 import * as Cesium from "cesium";
 import { type Entry, Layer, Pack, tilesAround, tilesPoleToPole } from "../pack/index.js";
 import { copyBlocks, type PlacedTexture } from "./block_window.js";
+import { tilingSchemeOf } from "./tiling_scheme.js";
 
 /** Texels along a side of a tile of CesiumJS: 180° / 2^L hold 720 of the pack's level L - 7. */
 const SIDE = 720;
@@ -36,10 +37,8 @@ export class CairnImageryProvider {
     private readonly coarseTiles: Entry[],
     private readonly copiesBlocks: boolean,
   ) {
-    const { semiMajorM, semiMinorM, tileSize } = pack.header;
-    this.tilingScheme = new Cesium.GeographicTilingScheme({
-      ellipsoid: new Cesium.Ellipsoid(semiMajorM, semiMajorM, semiMinorM),
-    });
+    const { tileSize } = pack.header;
+    this.tilingScheme = tilingSchemeOf(pack);
     this.levelOffset = tileSize === 513 ? 7 : 6;
     this.maximumLevel = finest + this.levelOffset;
     const imagery = pack.metadata.imagery as { bounds?: Bounds } | undefined;

@@ -1,6 +1,7 @@
 import * as Cesium from "cesium";
 import { type Entry, Layer, Pack } from "../pack/index.js";
 import { readWindow, type WindowPlace } from "./sample_window.js";
+import { tilingSchemeOf } from "./tiling_scheme.js";
 
 /** Intervals along a side of a tile of CesiumJS: 180° / 2^L hold 90 of the pack's level L - 10. */
 const INTERVALS = 90;
@@ -49,10 +50,8 @@ export class CairnTerrainProvider {
     /** The lowest and highest sample of the coarsest level's tiles, in metres. */
     readonly heightRangeM: { low: number; high: number },
   ) {
-    const { semiMajorM, semiMinorM, tileSize } = pack.header;
-    this.tilingScheme = new Cesium.GeographicTilingScheme({
-      ellipsoid: new Cesium.Ellipsoid(semiMajorM, semiMajorM, semiMinorM),
-    });
+    const { tileSize } = pack.header;
+    this.tilingScheme = tilingSchemeOf(pack);
     // 512 intervals per tile; packs of tile size 257 have half as many at a level.
     this.levelOffset = tileSize === 513 ? 10 : 9;
     this.maximumLevel = finest + this.levelOffset;
