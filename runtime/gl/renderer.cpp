@@ -34,7 +34,7 @@ enum Location : GLint {
   kRadii = 11
 };
 constexpr double kFarthestDepth = 1e-30;  // of ground: none is so far that its own would be as small
-enum LookBits : GLuint { kLevelColours = 1, kFog = 2, kEarth = 4 };
+enum LookBits : GLuint { kLevelColours = 1, kFog = 2, kEarth = 4, kDither = 8 };
 
 }  // namespace
 
@@ -70,7 +70,8 @@ void Renderer::State::set_uniforms(const Camera& camera, const GlLook& look) {
   glProgramUniform4f(program, kHorizon, horizon.x, horizon.y, horizon.z, horizon.w);
   glProgramUniform1f(sky.name(), kLowest, static_cast<float>(std::min(camera.lowest_m, 0.0)));
   const GLuint look_bits = (look.level_colours ? kLevelColours : 0u) |
-                           (look.fog && look.is_earth ? kFog : 0u) | (look.is_earth ? kEarth : 0u);
+                           (look.fog && look.is_earth ? kFog : 0u) | (look.is_earth ? kEarth : 0u) |
+                           (look.dithers ? kDither : 0u);
   const auto a = static_cast<float>(camera.view.ellipsoid.semi_major_m);
   const auto b = static_cast<float>(camera.view.ellipsoid.semi_minor_m);
   for (const GLuint each : {program, sky.name()}) {

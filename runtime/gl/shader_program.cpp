@@ -19,11 +19,22 @@ std::string first_line(std::string_view log) {
   return std::string(log.substr(0, log.find('\n')));
 }
 
+/// Returns a shader's text with each line `#include "NAME"` replaced by the text of that file.
+std::string text_of(const std::string& name) {
+  constexpr std::string_view kInclude = "#include \"";
+  std::string text(source_of(name).text);
+  for (std::size_t at = text.find(kInclude); at != std::string::npos; at = text.find(kInclude, at)) {
+    const std::size_t begin = at + kInclude.size(), end = text.find('"', begin);
+    text.replace(at, end + 1 - at, text_of(text.substr(begin, end - begin)));
+  }
+  return text;
+}
+
 Result<Shader> compile(const std::string& name, GLenum stage) {
-  const ShaderSource& source = source_of(name);
   Shader shader(glCreateShader(stage));
-  const char* text = source.text.data();
-  const auto length = static_cast<GLint>(source.text.size());
+  const std::string source = text_of(name);
+  const char* text = source.data();
+  const auto length = static_cast<GLint>(source.size());
   glShaderSource(shader.name(), 1, &text, &length);
   glCompileShader(shader.name());
   GLint compiled = 0;

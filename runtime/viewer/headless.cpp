@@ -170,7 +170,7 @@ Status run_headless(const Options& options, std::ostream& messages) {
   if (!scene) return scene.error();
   const Result<ViewState> view = view_of(options, scene->pack(), *size);
   if (!view) return view.error();
-  const Result<gl::FrameTarget> target = gl::FrameTarget::create(size->width, size->height);
+  const Result<gl::FrameTarget> target = gl::FrameTarget::create(size->width, size->height, options.samples);
   if (!target) return target.error();
   if (!options.screenshot.empty()) {
     const Status taken = take_screenshot(options, *scene, *look, *view, *target, messages);

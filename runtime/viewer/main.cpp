@@ -44,6 +44,11 @@ void declare(CLI::App& app, cairn::viewer::Options& o) {
       "--method", o.method,
       "draw the mesh of this level-of-detail method, as cairn lab has them (default: the renderer's own)");
   app.add_option("--cache", o.cache_mib, "MiB of tiles in memory")->capture_default_str();
+  app.add_option("--samples", o.samples, "samples per pixel, which smooth edges; 1 for none")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app.add_flag("--no-dither", o.no_dither,
+               "no noise of one step of 8 bits, which keeps the sky free of bands");
   app.add_flag("--no-fog", o.no_fog, "clear air");
   app.add_flag("--wireframe", o.wireframe, "the mesh's edges");
   app.add_flag("--levels", o.levels, "a colour for each level");

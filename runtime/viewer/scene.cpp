@@ -149,6 +149,7 @@ std::vector<Error> Scene::take_errors() {
 Result<FrameLook> look_of(const Options& options) {
   FrameLook look;
   look.fog = !options.no_fog;
+  look.dithers = !options.no_dither;
   look.wireframe = options.wireframe;
   look.level_colours = options.levels;
   look.draws = !options.no_draw;

@@ -34,7 +34,12 @@ class Session {
  public:
   Session(const Options& options, Scene scene, FrameLook look, ViewState view, Display& display,
           std::ostream& messages)
-      : scene_(std::move(scene)), look_(look), view_(view), display_(display), messages_(messages) {
+      : scene_(std::move(scene)),
+        look_(look),
+        view_(view),
+        display_(display),
+        messages_(messages),
+        samples_(options.samples) {
     panel_.hour = options.hour;
     panel_.go_to = {view.eye.lon, view.eye.lat, view.height_m};
   }
@@ -66,7 +71,7 @@ class Session {
   Status frame(Size size, double since_last_s) {
     const double dt_s = std::min(since_last_s, kLongestFrame);
     if (!target_ || target_->width() != size.width || target_->height() != size.height) {
-      Result<gl::FrameTarget> target = gl::FrameTarget::create(size.width, size.height);
+      Result<gl::FrameTarget> target = gl::FrameTarget::create(size.width, size.height, samples_);
       if (!target) return target.error();
       target_ = std::move(*target);
     }
@@ -134,9 +139,10 @@ class Session {
       view_.height_m = (*place)[2];
     }
     ImGui::Render();
+    const GLuint resolved = target_->resolve();
     glDisable(GL_FRAMEBUFFER_SRGB);  // the frame's bytes are sRGB already
-    glBlitNamedFramebuffer(target_->framebuffer(), 0, 0, 0, size.width, size.height, 0, 0, size.width,
-                           size.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBlitNamedFramebuffer(resolved, 0, 0, 0, size.width, size.height, 0, 0, size.width, size.height,
+                           GL_COLOR_BUFFER_BIT, GL_NEAREST);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
@@ -150,6 +156,7 @@ class Session {
   std::ostream& messages_;
   CameraControls controls_;
   PanelState panel_;
+  int samples_;
   std::optional<gl::FrameTarget> target_;
   FlightRecorder recorder_;
   int saved_ = 0;  // the number of the last screenshot

@@ -3,12 +3,14 @@
 layout(location = 3) uniform vec3 eye_geocentric;
 layout(location = 4) uniform vec3 to_sun;
 layout(location = 5) uniform float eye_height;
-layout(location = 6) uniform uint look;  // bits: 2 fog, 4 the Earth, which has air
+layout(location = 6) uniform uint look;  // bits: 2 fog, 4 the Earth, which has air, 8 dithering
 layout(location = 11) uniform vec3 ellipsoid_radii;
 layout(location = 10) uniform float lowest;  // metres: no ground of the pack is lower; 0 or below
 
 layout(location = 0) in vec3 ray;
 layout(location = 0) out vec4 colour;
+
+#include "dither.glsl"
 
 // Light scattered once, by air whose density falls off as exp(-height / 8 km) around a sphere. Rayleigh's
 // coefficients are those of sea-level air at 680, 550 and 440 nm.
@@ -45,18 +47,11 @@ vec3 bare_ground(vec3 d, float distance) {
   return mix(kBare * light, vec3(0.44, 0.58, 0.78) * (0.03 + 0.97 * day), haze);
 }
 
-void main() {
-  vec3 d = normalize(ray);
-  float ground = distance_to_ground(d);
-  if (ground >= 0.0) {
-    colour = vec4(bare_ground(d, ground), 1.0);
-    return;
-  }
+vec3 sky(vec3 d) {
   float cosine = dot(d, to_sun);
   vec3 sun = smoothstep(0.99996, 0.99998, cosine) * vec3(8.0, 7.4, 6.5);
   if ((look & 4u) == 0u) {
-    colour = vec4(1.0 - exp(-sun), 1.0);
-    return;
+    return 1.0 - exp(-sun);
   }
   // Heights above the ellipsoid, not the sphere, decide how much air there is.
   float mean_radius = (2.0 * ellipsoid_radii.x + ellipsoid_radii.z) / 3.0;
@@ -82,5 +77,12 @@ void main() {
     }
   }
   vec3 light = 6.0 * kScatter * sum * (3.0 / (16.0 * 3.14159265)) * (1.0 + cosine * cosine) * 3.0;
-  colour = vec4(1.0 - exp(-(light + sun)), 1.0);
+  return 1.0 - exp(-(light + sun));
+}
+
+void main() {
+  vec3 d = normalize(ray);
+  float ground = distance_to_ground(d);
+  vec3 seen = ground >= 0.0 ? bare_ground(d, ground) : sky(d);
+  colour = vec4((look & 8u) != 0u ? dithered(seen) : seen, 1.0);
 }

@@ -11,7 +11,7 @@ layout(location = 7) uniform float quantum;
 layout(location = 3) uniform vec3 eye_geocentric;
 layout(location = 4) uniform vec3 to_sun;
 layout(location = 5) uniform float eye_height;
-layout(location = 6) uniform uint look;  // bits: 1 level colours, 2 fog, 4 the Earth
+layout(location = 6) uniform uint look;  // bits: 1 level colours, 2 fog, 4 the Earth, 8 dithering
 layout(location = 11) uniform vec3 radii;  // of the ellipsoid
 
 layout(location = 0) in vec2 patch_place;
@@ -24,6 +24,8 @@ layout(location = 6) flat in vec2 extents;
 layout(location = 7) flat in vec4 across[4];  // south, north, west, east
 
 layout(location = 0) out vec4 colour;
+
+#include "dither.glsl"
 
 // Hypsometric tint, linear RGB: water at 0 and below, as the sea is 0 in most sources, then lowland green to snow.
 vec3 tint(float h) {
@@ -168,5 +170,5 @@ void main() {
                      : vec3(1.4 * sun + 0.015);
   vec3 lit = surface_colour(up) * light;
   if ((look & 2u) != 0u) lit = mix(lit, vec3(0.44, 0.58, 0.78) * (0.03 + 0.97 * day), haze(length(from_eye)));
-  colour = vec4(lit, 1.0);
+  colour = vec4((look & 8u) != 0u ? dithered(lit) : lit, 1.0);
 }

@@ -27,6 +27,7 @@ struct GlLook {
   bool is_earth = true;
   bool depth_only = false;  ///< no colour is written, and no sky
   bool wireframe = false;
+  bool dithers = false;        ///< noise of a step of 8 bits, so that the sky shows no bands
   bool level_colours = false;  ///< a colour for each level of the tiles instead of imagery or tint
 };
 
