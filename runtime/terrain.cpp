@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -102,11 +103,13 @@ bool is_same_view(const ViewState& a, const ViewState& b) {
 struct Terrain::State {
   State(std::shared_ptr<const PackReader> pack, const TerrainOptions& o, TileSource source)
       : options(o),
-        contents(std::move(pack)),
+        table(pack->header().tile_size),
+        contents(std::move(pack), &table),
         occluder(contents.lowest_m(), contents.pack().header().body.shape),
         tree(contents, occluder),
-        pager(contents, tree, std::move(source), {o.cache_bytes, o.delivery_bytes, o.workers}) {
+        pager(table, contents, tree, std::move(source), {o.cache_bytes, o.delivery_bytes, o.workers}) {
     list.lowest_m = contents.lowest_m();
+    target.cut = {tree.node({kMinLevel, 0, 0}).best};
   }
 
   /// What one of the views keeps from update to update.
@@ -128,13 +131,15 @@ struct Terrain::State {
   const RenderList& refuse(const Error& error);
 
   TerrainOptions options;
+  TileTable table;
   TileAvailability contents;
   const Occluder occluder;
   TileTree tree;
   std::vector<Eye> eyes;
   std::vector<ViewState> seen_views;
   std::vector<SelectionView> selection_views;
-  std::uint64_t availability_seen = 0;
+  bool is_available_anew = false;  // what the pack can show has changed since the target was made
+  PagerTarget target;
   std::size_t failing = 0;  // tiles of the target that cannot be read at present
   std::uint64_t updates_until_ahead = 0;
   bool view_refused = false;
@@ -152,29 +157,28 @@ SelectionRules Terrain::State::rules() const {
 
 void Terrain::State::retarget(std::span<const ViewState> views) {
   while (eyes.size() < views.size()) eyes.emplace_back(options);
-  const bool is_available_anew = availability_seen != pager.availability_version();
   if (std::equal(views.begin(), views.end(), seen_views.begin(), seen_views.end(), is_same_view) &&
       !is_available_anew)
     return;
-  if (is_available_anew) tree.forget();
+  const bool is_remade = std::exchange(is_available_anew, false);
+  if (is_remade) tree.forget();
   tree.trim();
-  availability_seen = pager.availability_version();
   seen_views.assign(views.begin(), views.end());
   selection_views.clear();
   for (std::size_t i = 0; i < views.size(); ++i) {
     selection_views.push_back(selection_view(views[i], contents, occluder, options.pattern, eyes[i].focus));
   }
-  TileSelection selection = select_tiles(tree, selection_views, rules(), pager.target());
+  TileSelection selection = select_tiles(tree, selection_views, rules(), target.cut);
   list.is_limited = selection.is_limited;
   failing = count_failing(selection.cut);
   const auto is_same = [](const CutNode& a, const CutNode& b) { return a.shows_same(b); };
-  const TileCut& target = pager.target();
-  if (!is_available_anew &&
-      std::equal(selection.cut.begin(), selection.cut.end(), target.begin(), target.end(), is_same))
+  if (!is_remade &&
+      std::equal(selection.cut.begin(), selection.cut.end(), target.cut.begin(), target.cut.end(), is_same))
     return;
   ++counts.moves;
   updates_until_ahead = 0;
-  pager.set_target(std::move(selection.cut));
+  target.cut = std::move(selection.cut);
+  ++target.version;
 }
 
 /// Of the tiles that cannot be read at present, those that an area of the cover would show.
@@ -184,7 +188,7 @@ std::size_t Terrain::State::count_failing(const TileCut& cover) const {
     return node.area == above ||
            (node.area.level >= key.id.level && ancestor_of(node.area, key.id.level) == key.id);
   };
-  const std::vector<TileKey> failing_tiles = contents.failing();
+  const std::vector<TileKey> failing_tiles = table.failing();
   return static_cast<std::size_t>(
       std::count_if(failing_tiles.begin(), failing_tiles.end(), [&](const TileKey& key) {
         return std::any_of(cover.begin(), cover.end(), [&](const CutNode& node) { return shows(node, key); });
@@ -207,15 +211,17 @@ void Terrain::State::look_ahead(std::span<const ViewState> views, double dt_s) {
   updates_until_ahead = kUpdatesPerLookAhead;
   std::vector<IndexEntry> ahead;
   if (options.look_ahead_s > 0) {
-    for (const CutNode& node : select_tiles(tree, there, rules(), pager.target()).cut) {
+    for (const CutNode& node : select_tiles(tree, there, rules(), target.cut).cut) {
       node.for_each_source([&](const IndexEntry& entry) { ahead.push_back(entry); });
     }
   }
-  pager.set_ahead(std::move(ahead));
+  if (ahead == target.ahead) return;
+  target.ahead = std::move(ahead);
+  ++target.version;
 }
 
 void Terrain::State::list_tiles() {
-  list.version = pager.drawn_version();
+  ++list.version;
   list.tiles.clear();
   shortfalls.clear();
   for (const CutNode& place : pager.drawn()) {
@@ -225,11 +231,11 @@ void Terrain::State::list_tiles() {
     if (place.heights) {
       tile.heights_id = place.heights->id;
       tile.geometric_error_m = place.heights->geometric_error_m;
-      if (const LoadedTile* loaded = pager.find(*place.heights)) tile.heights = loaded->heights;
+      if (const LoadedTile* loaded = table.find(key_of(*place.heights))) tile.heights = loaded->heights;
     }
     if (place.imagery) {
       tile.imagery_id = place.imagery->id;
-      if (const LoadedTile* loaded = pager.find(*place.imagery)) tile.imagery = loaded->texture;
+      if (const LoadedTile* loaded = table.find(key_of(*place.imagery))) tile.imagery = loaded->texture;
     }
     const Shortfall shortfall = shortfall_of(tree, place);
     tile.finer_error_m = static_cast<float>(shortfall.heights_m);
@@ -257,7 +263,8 @@ void Terrain::State::measure_list() {
       }
     }
     tile.visible = tile.seen_by != 0;
-    if (tile.visible) pager.drawn()[i].for_each_source([this](const IndexEntry& e) { pager.note_seen(e); });
+    if (tile.visible)
+      pager.drawn()[i].for_each_source([this](const IndexEntry& e) { table.note_seen(key_of(e)); });
   }
 }
 
@@ -272,7 +279,7 @@ void Terrain::State::count_holes() {
 
 /// The list of the last update, which a view that is out of range leaves as it was.
 const RenderList& Terrain::State::refuse(const Error& error) {
-  if (list.version != pager.drawn_version()) list_tiles();
+  if (list.tiles.empty()) list_tiles();
   list.evicted.clear();
   list.errors.clear();
   if (!view_refused) list.errors.push_back(error);
@@ -321,16 +328,17 @@ const RenderList& Terrain::update(std::span<const ViewState> asked, double dt_s)
   s.view_refused = false;
   s.retarget(views);          // 1. which tiles the views need
   s.look_ahead(views, dt_s);  // 2. which they may need next
-  s.pager.advance();          // 3. what has come in, replaces what it can
-  if (s.list.version != s.pager.drawn_version()) s.list_tiles();
   std::vector<ViewFrustum> frusta;
   for (const SelectionView& view : s.selection_views) frusta.push_back(view.frustum);
-  s.pager.request(frusta);  // 4. what is missing, asked for
-  s.measure_list();         // 5. what of it can be seen, and how well
-  s.list.is_complete = s.pager.is_settled() && s.failing == 0;
-  s.list.is_settled = s.pager.is_settled() || s.pager.only_failing();
-  s.list.evicted = s.pager.take_evicted();
-  s.list.errors = s.pager.take_errors();
+  PagerChanges changes = s.pager.update(s.target, frusta, Pager::Clock::now());  // 3. what of it is there
+  s.is_available_anew = changes.availability;
+  if (changes.drawn || s.list.tiles.empty()) s.list_tiles();
+  s.measure_list();  // 4. what of it can be seen, and how well
+  const bool is_drawn = s.pager.state() != PagerState::replacing;
+  s.list.is_complete = is_drawn && s.failing == 0;
+  s.list.is_settled = is_drawn || s.pager.only_failing();
+  s.list.evicted = std::move(changes.evicted);
+  s.list.errors = std::move(changes.errors);
   ++s.counts.updates;
   s.counts.updates_behind += !s.list.is_complete;
   return s.list;

@@ -7,95 +7,74 @@
 namespace cairn {
 namespace {
 
-constexpr int kReportedTries = 5;
 constexpr std::chrono::milliseconds kFirstPause{20};
 constexpr std::chrono::milliseconds kLongestPause{5000};
 // Enough that workers have work from one update to the next at 60 a second, few enough that a turn of the
 // eye is not answered late.
 constexpr std::size_t kDepthPerWorker = 8;
 
+LoadQueue::Clock::duration pause_after(int tries) {
+  return std::min<LoadQueue::Clock::duration>(kFirstPause * (1 << std::min(tries, 8)), kLongestPause);
+}
+
 }  // namespace
 
-LoadQueue::LoadQueue(TileSource source, int workers, int tile_size)
-    : tile_size_(tile_size),
+LoadQueue::LoadQueue(TileTable& table, TileSource source, int workers, int tile_size)
+    : table_(table),
       depth_(kDepthPerWorker * static_cast<std::size_t>(workers)),
       loader_(std::move(source), workers, tile_size) {}
 
-std::vector<LoadQueue::Delivery> LoadQueue::deliver(std::uint64_t limit_bytes, Clock::time_point now) {
-  std::vector<Delivery> deliveries;
+std::vector<LoadQueue::Failure> LoadQueue::receive(std::uint64_t limit_bytes, Clock::time_point now) {
+  std::vector<Failure> failures;
   for (LoadResult& result : loader_.take(limit_bytes)) {
-    const auto found = requests_.find(key_of(result.entry));
-    assert(found != requests_.end() && found->second.under_way);
-    Request& request = found->second;
-    leave(request);
-    if (!result.tile && result.stopped) continue;
-    count(result, request, now);
-    if (!result.tile && result.tile.error().code == ErrorCode::failed) {
-      pause(request, now);
-      if (request.tries != kReportedTries) continue;
-    } else {
-      requests_.erase(found);
+    const TileKey key = key_of(result.entry);
+    if (!result.tile && result.stopped) {
+      table_.stop(key);
+      continue;
     }
-    deliveries.push_back({result.entry, std::move(result.tile)});
+    count(result, now);
+    if (result.tile) {
+      table_.arrive(key, std::move(*result.tile));
+    } else if (result.tile.error().code == ErrorCode::failed) {
+      const int tries = table_.fail(key, pause_after(table_.tries(key)), now);
+      const bool is_wanted = table_.state(key) == TileState::pausing;
+      if (is_wanted && tries == kReportedTries) failures.push_back({result.entry, result.tile.error()});
+    } else {
+      table_.set_damaged(key);
+      failures.push_back({result.entry, result.tile.error()});
+    }
   }
-  return deliveries;
+  return failures;
 }
 
-void LoadQueue::count(const LoadResult& result, const Request& request, Clock::time_point now) {
+void LoadQueue::count(const LoadResult& result, Clock::time_point now) {
   if (!result.tile) {
     ++counts_.reads_failed;
     return;
   }
   ++counts_.tiles_loaded;
   counts_.bytes_loaded += result.entry.bytes;
-  if (!request.wanted) ++counts_.tiles_stale;
-  if (request.wanted) latency_ms_.add(std::chrono::duration<double, std::milli>(now - request.since).count());
-}
-
-void LoadQueue::pause(Request& request, Clock::time_point now) const {
-  const auto pause = kFirstPause * (1 << std::min(request.tries, 8));
-  request.not_before = now + std::min<Clock::duration>(pause, kLongestPause);
-  ++request.tries;
-}
-
-bool LoadQueue::only_failing() const {
-  return !requests_.empty() && std::all_of(requests_.begin(), requests_.end(), [](const auto& item) {
-    return item.second.tries >= kReportedTries;
-  });
-}
-
-void LoadQueue::leave(Request& request) {
-  request.under_way = false;
-  --under_way_;
-  bytes_under_way_ -= std::exchange(request.bound, 0);
-}
-
-void LoadQueue::set_wanted(const std::vector<IndexEntry>& wanted, Clock::time_point now) {
-  for (auto& [key, request] : requests_) request.wanted = false;
-  for (const IndexEntry& entry : wanted) {
-    requests_.try_emplace(key_of(entry), Request{now, now}).first->second.wanted = true;
+  const TileKey key = key_of(result.entry);
+  if (table_.state(key) == TileState::stale) {
+    ++counts_.tiles_stale;
+  } else {
+    const std::chrono::duration<double, std::milli> latency = now - table_.wanted_since(key);
+    latency_ms_.add(latency.count());
   }
-  const auto is_stale = [this](const TileKey& key) { return !requests_.at(key).wanted; };
+}
+
+void LoadQueue::set_wanted(std::span<const IndexEntry> wanted, Clock::time_point now) {
+  table_.set_wanted(wanted, now);
+  const auto is_stale = [this](const TileKey& key) { return table_.state(key) == TileState::stale; };
   for (const TileKey& key : loader_.withdraw(is_stale)) {
-    leave(requests_.at(key));
+    table_.withdraw(key);
     ++counts_.tiles_withdrawn;
   }
-  std::erase_if(requests_, [](const auto& item) { return !item.second.wanted && !item.second.under_way; });
-}
-
-bool LoadQueue::is_waiting(const TileKey& key, Clock::time_point now) const {
-  const auto found = requests_.find(key);
-  return found != requests_.end() && found->second.wanted && !found->second.under_way &&
-         now >= found->second.not_before;
 }
 
 void LoadQueue::submit(const IndexEntry& entry) {
-  Request& request = requests_.at(key_of(entry));
-  assert(!request.under_way && !is_full());
-  request.under_way = true;
-  request.bound = decoded_bytes_bound(entry, tile_size_);
-  ++under_way_;
-  bytes_under_way_ += request.bound;
+  assert(!is_full());
+  table_.submit(key_of(entry));
   loader_.submit(entry);
 }
 
@@ -105,7 +84,7 @@ void LoadQueue::add_to(PagingStats& stats) const {
   stats.tiles_stale = counts_.tiles_stale;
   stats.tiles_withdrawn = counts_.tiles_withdrawn;
   stats.reads_failed = counts_.reads_failed;
-  stats.in_flight_bytes = bytes_under_way_;
+  stats.in_flight_bytes = table_.bytes_under_way();
   stats.latency_ms = latency_ms_.summary();
 }
 

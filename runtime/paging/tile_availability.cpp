@@ -22,8 +22,9 @@ std::vector<IndexEntry> coarsest_tiles(const PackReader& pack, Layer layer) {
 
 }  // namespace
 
-TileAvailability::TileAvailability(std::shared_ptr<const PackReader> pack)
+TileAvailability::TileAvailability(std::shared_ptr<const PackReader> pack, const TileTable* table)
     : pack_(std::move(pack)),
+      table_(table),
       heights_(pack_->levels(Layer::heights)),
       imagery_(pack_->levels(Layer::imagery)) {
   for (const IndexEntry& tile : coarsest_tiles(*pack_, Layer::heights)) {
@@ -51,7 +52,7 @@ PackReader::LevelRange TileAvailability::levels() const {
 bool TileAvailability::has(Layer layer, const TileId& id) const {
   const auto& levels = range(layer);
   if (!levels || id.level < levels->coarsest || id.level > levels->finest) return false;
-  return pack_->find_index(layer, id).has_value() && !unavailable_.contains({layer, id});
+  return pack_->find_index(layer, id).has_value() && !(table_ && is_absent(table_->state({layer, id})));
 }
 
 std::optional<IndexEntry> TileAvailability::nearest(Layer layer, const TileId& id) const {
@@ -62,18 +63,6 @@ std::optional<IndexEntry> TileAvailability::nearest(Layer layer, const TileId& i
     if (has(layer, ancestor)) return pack_->find(layer, ancestor);
   }
   return std::nullopt;
-}
-
-bool TileAvailability::restore(Clock::time_point now) {
-  return std::erase_if(unavailable_, [now](const auto& item) { return item.second <= now; }) > 0;
-}
-
-std::vector<TileKey> TileAvailability::failing() const {
-  std::vector<TileKey> failing;
-  for (const auto& [key, until] : unavailable_) {
-    if (until != Clock::time_point::max()) failing.push_back(key);
-  }
-  return failing;
 }
 
 double TileAvailability::ceiling_m(LonLat place) const {

@@ -1,14 +1,12 @@
 #pragma once
 
-#include <chrono>
 #include <memory>
 #include <optional>
-#include <unordered_map>
 #include <unordered_set>
-#include <vector>
 
 #include "cairn/loaded_tile.h"
 #include "cairn/pack_reader.h"
+#include "runtime/paging/tile_table.h"
 
 namespace cairn {
 
@@ -16,7 +14,8 @@ namespace cairn {
 /// whose reads fail. One thread only.
 class TileAvailability {
  public:
-  explicit TileAvailability(std::shared_ptr<const PackReader> pack);
+  /// `table`, which must outlive it, says which tiles are absent; null: none are.
+  explicit TileAvailability(std::shared_ptr<const PackReader> pack, const TileTable* table = nullptr);
 
   const PackReader& pack() const { return *pack_; }
   bool has_imagery() const { return imagery_.has_value(); }
@@ -34,15 +33,6 @@ class TileAvailability {
   /// the coarsest level of a pack is often 0.
   bool is_above_tiles(const TileId& area) const { return above_.contains(area); }
 
-  using Clock = std::chrono::steady_clock;
-  void set_damaged(const TileKey& key) { unavailable_[key] = Clock::time_point::max(); }
-  /// The tile counts as absent until then.
-  void set_failing(const TileKey& key, Clock::time_point until) { unavailable_[key] = until; }
-  /// Ends the absences whose time has come; whether there were any.
-  bool restore(Clock::time_point now);
-  /// The tiles that are absent for a while.
-  std::vector<TileKey> failing() const;
-
   /// A height, in metres, that no ground of the finest tile at the place exceeds, from the index alone, so
   /// that it does not depend on what is loaded. 0 where there is no tile.
   double ceiling_m(LonLat place) const;
@@ -56,10 +46,10 @@ class TileAvailability {
   void note_ancestors(TileId id);
 
   std::shared_ptr<const PackReader> pack_;
+  const TileTable* table_;
   std::optional<PackReader::LevelRange> heights_;
   std::optional<PackReader::LevelRange> imagery_;
   std::unordered_set<TileId> above_;  // the ancestors of the coarsest tiles, which the pack does not have
-  std::unordered_map<TileKey, Clock::time_point> unavailable_;  // until then
   double lowest_m_ = 0;
 };
 

@@ -1,7 +1,5 @@
 #include "runtime/paging/tile_cut.h"
 
-#include <algorithm>
-#include <bit>
 #include <cassert>
 
 #include "runtime/paging/tile_availability.h"
@@ -33,14 +31,6 @@ CutNode make_cut_node(const TileId& area, const TileAvailability& contents, cons
   }
   node.volume = bounding_volume(tile_bounds(area), low_m, high_m, occluder);
   return node;
-}
-
-bool depth_first_before(const TileId& a, const TileId& b) {
-  const int level = std::min(a.level, b.level);
-  const TileId u = ancestor_of(a, level), v = ancestor_of(b, level);
-  const auto dx = static_cast<std::uint32_t>(u.x ^ v.x), dy = static_cast<std::uint32_t>(u.y ^ v.y);
-  // The quadrants part where the highest bit differs, and there north-south decides before east-west.
-  return std::bit_width(dx) > std::bit_width(dy) ? u.x < v.x : u.y < v.y;
 }
 
 std::vector<CutChange> changes_between(const TileCut& before, const TileCut& after) {

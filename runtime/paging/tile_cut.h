@@ -40,9 +40,6 @@ using TileCut = std::vector<CutNode>;
 CutNode make_cut_node(const TileId& area, const TileAvailability& contents, const Occluder& occluder,
                       bool has_finer_heights);
 
-/// Whether `a` comes before `b` in a cover; false where one contains the other.
-bool depth_first_before(const TileId& a, const TileId& b);
-
 /// A smallest area on which two covers differ: one tile of the one, one or more of the other.
 struct CutChange {
   std::size_t old_first = 0;

@@ -4,8 +4,6 @@
 #include <array>
 #include <span>
 
-#include "runtime/scene/scene_map.h"
-
 namespace cairn {
 namespace {
 

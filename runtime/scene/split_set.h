@@ -4,10 +4,9 @@
 #include <vector>
 
 #include "cairn/tile_id.h"
+#include "runtime/scene/scene_map_spec.h"
 
 namespace cairn {
-
-struct SceneMapSpec;
 
 /// The inner nodes of a scene map's tree. There are so few per level that a list per level is the fastest
 /// set.

@@ -9,6 +9,7 @@
 
 #include "cairn/geodesy.h"
 #include "cairn/view_state.h"
+#include "runtime/view/screen_scale.h"
 
 namespace cairn {
 namespace {
@@ -57,7 +58,7 @@ ScreenErrorBudget::ScreenErrorBudget(const ViewState& view, double tolerance_px,
              glm::normalize(camera.forward * wide - camera.right),
              glm::normalize(camera.forward * high + camera.up),
              glm::normalize(camera.forward * high - camera.up)};
-  focal_px_ = view.viewport_height_px / (2 * high);
+  focal_px_ = pixels_per_radian(view);
   corner_cosine_ = 1 / std::hypot(1.0, high, wide);
 }
 

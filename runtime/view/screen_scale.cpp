@@ -14,10 +14,14 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-ScreenScale::ScreenScale(const ViewState& view) : camera_(camera_frame(view)) {
+double pixels_per_radian(const ViewState& view) {
+  return view.viewport_height_px / (2 * std::tan(glm::radians(view.fov_y_deg) / 2));
+}
+
+ScreenScale::ScreenScale(const ViewState& view)
+    : camera_(camera_frame(view)), focal_px_(pixels_per_radian(view)) {
   const double half_height = std::tan(glm::radians(view.fov_y_deg) / 2);
   const double half_width = half_height * view.viewport_width_px / view.viewport_height_px;
-  focal_px_ = view.viewport_height_px / (2 * half_height);
   corner_cosine_ = 1 / std::hypot(1.0, half_width, half_height);
 }
 

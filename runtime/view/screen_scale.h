@@ -7,6 +7,9 @@
 
 namespace cairn {
 
+/// Returns the pixels per radian in the middle of the viewport: its height / (2 tan(fov/2)).
+double pixels_per_radian(const ViewState& view);
+
 /// How lengths on the ground become pixels in one view. All bounds hold for every point of a volume that is
 /// in the viewport, and are infinite where such a point may lie beside the eye.
 class ScreenScale {

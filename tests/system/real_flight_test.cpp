@@ -150,10 +150,11 @@ FlightResult fly(const std::shared_ptr<const PackReader>& pack, int workers, con
 
 // What the list should be, from the index, the selection and the faults alone.
 AreasAndSources expected_map(const std::shared_ptr<const PackReader>& pack, const Faults& faults) {
-  TileAvailability contents(pack);
+  TileTable table(pack->header().tile_size);
+  const TileAvailability contents(pack, &table);
   for (std::size_t i = 0; i < pack->entry_count(); ++i) {
     const TileKey key = key_of(pack->entry(i));
-    if (faults.is_damaged(key)) contents.set_damaged(key);
+    if (faults.is_damaged(key)) table.set_damaged(key);
   }
   const Occluder occluder(contents.lowest_m());
   const TileTree tree(contents, occluder);

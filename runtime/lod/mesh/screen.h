@@ -4,6 +4,7 @@
 
 #include "cairn/view_state.h"
 #include "runtime/view/sample_lattice.h"
+#include "runtime/view/screen_scale.h"
 #include "runtime/view/view_frustum.h"
 
 namespace cairn {
@@ -15,22 +16,16 @@ namespace cairn {
 /// projected from geocentric coordinates, so the body's curvature under a large triangle counts.
 class Screen {
  public:
-  explicit Screen(const ViewState& view);
+  explicit Screen(const ViewState& view)
+      : camera_(camera_frame(view)), focal_px_(cairn::pixels_per_radian(view)) {}
 
   const CameraFrame& camera() const { return camera_; }
   /// In the middle of the viewport: its height / (2 tan(fov/2)).
   double pixels_per_radian() const { return focal_px_; }
 
-  /// Returns by how many pixels, at most, a visible point of a sphere moves if displaced by error_m.
-  /// With r the distance from the camera, z the depth and ε = error_m it is f·ε·r/(z(z-ε)); z is at least
-  /// r·cos θ, with θ the angle between the view and a corner of the viewport. Infinite where a point may come
-  /// to a depth of 0.
-  double bound_px(double error_m, const glm::dvec3& centre, double radius_m) const;
-
  private:
   CameraFrame camera_;
   double focal_px_;
-  double corner_cosine_;
 };
 
 /// Returns geocentric metres.

@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include <glm/geometric.hpp>
-#include <glm/trigonometric.hpp>
+
+#include "runtime/view/screen_scale.h"
 
 namespace cairn {
 namespace {
@@ -14,10 +15,6 @@ constexpr double kMargin_px = 0.5;
 
 /// The tests here and the measure of Screen project in two ways, each with its own rounding.
 constexpr double kEdgeRounding = 1e-6;
-
-double focal_px_of(const LodView& view) {
-  return view.view.viewport_height_px / (2 * std::tan(glm::radians(view.view.fov_y_deg) / 2));
-}
 
 /// How far half a cell is from the tile's bilinear surface, where the tile stands for finer samples.
 double quarter_of_twist_m(const TileSurface& surface, const SampleAddress& a, const SampleAddress& b) {
@@ -57,7 +54,7 @@ TriangleView::TriangleView(const LodView& view, double lowest_m)
       sample_camera(camera),
       horizon(camera.position, Occluder(lowest_m, view.view.ellipsoid)),
       tolerance(view.tolerance_px * (1 - kEdgeRounding)) {
-  const double focal_px = focal_px_of(view);
+  const double focal_px = pixels_per_radian(view.view);
   tolerance /= focal_px;
   half_width = (view.view.viewport_width_px / 2.0 + kMargin_px) / focal_px;
   half_height = (view.view.viewport_height_px / 2.0 + kMargin_px) / focal_px;

@@ -71,6 +71,15 @@ class RandomFlight {
   ViewState view_;
 };
 
+/// Whether `a` comes before `b` in a walk of the tree that takes children in the order of their quadrants.
+bool is_depth_first(const TileId& a, const TileId& b) {
+  for (int level = kMinLevel + 1; level <= std::min(a.level, b.level); ++level) {
+    const int of_a = quadrant_of(ancestor_of(a, level)), of_b = quadrant_of(ancestor_of(b, level));
+    if (of_a != of_b) return of_a < of_b;
+  }
+  return false;
+}
+
 /// The areas cover the Earth, each place once.
 void require_cover(const RenderList& list) {
   double degrees = 0;
@@ -82,7 +91,7 @@ void require_cover(const RenderList& list) {
     const TileId& before = list.tiles[i - 1].area;
     const int level = std::min(area.level, before.level);
     REQUIRE(ancestor_of(area, level) != ancestor_of(before, level));
-    REQUIRE(depth_first_before(before, area));
+    REQUIRE(is_depth_first(before, area));
   }
   REQUIRE(degrees == 360.0 * 180.0);
 }
@@ -158,10 +167,12 @@ FlightResult fly(const FlightPack& pack, const TerrainOptions& options, const Fa
 /// What the list should be, from the selection and the faults alone.
 AreasAndSources expected_map(const FlightPack& pack, const ViewState& view, const Faults& faults,
                              RefinementPattern pattern = RefinementPattern::restricted) {
-  TileAvailability contents(pack.open());
+  const auto reader = pack.open();
+  TileTable table(reader->header().tile_size);
+  const TileAvailability contents(reader, &table);
   for (std::size_t i = 0; i < contents.pack().entry_count(); ++i) {
     const TileKey key = key_of(contents.pack().entry(i));
-    if (faults.is_damaged(key)) contents.set_damaged(key);
+    if (faults.is_damaged(key)) table.set_damaged(key);
   }
   const Occluder occluder(contents.lowest_m());
   const TileTree tree(contents, occluder);
