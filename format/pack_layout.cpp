@@ -139,9 +139,11 @@ const char* to_string(Layer layer) {
     case Layer::objects:
       return "objects";
     case Layer::water:
+      return "water";
+    case Layer::models:
       break;
   }
-  return "water";
+  return "models";
 }
 
 std::string to_string(const PackId& id) {

@@ -252,4 +252,33 @@ Result<HeightTile> PackReader::read_height_tile(const IndexEntry& entry) const {
   return tile;
 }
 
+Result<ObjectTile> PackReader::read_object_tile(const IndexEntry& entry) const {
+  assert(entry.layer == Layer::objects);
+  const Result<std::vector<std::byte>> block = read_block(entry);
+  if (!block) return block.error();
+  if (block->empty()) return ObjectTile();
+  Result<ObjectTile> tile = decode_object_block(*block);
+  if (!tile) return in_file(*state_->source, name_of(entry), tile.error());
+  return tile;
+}
+
+Result<ObjectModel> PackReader::read_model(std::uint32_t model) const {
+  const auto entry = model < kMostModels ? find(Layer::models, model_address(model)) : std::nullopt;
+  if (!entry)
+    return in_file(*state_->source, "model " + std::to_string(model), bad_data("expected one, found none"));
+  const Result<std::vector<std::byte>> block = read_block(*entry);
+  if (!block) return block.error();
+  Result<ObjectModel> decoded = decode_model_block(*block);
+  if (!decoded) return in_file(*state_->source, name_of(*entry), decoded.error());
+  return decoded;
+}
+
+std::size_t PackReader::model_count() const {
+  std::size_t count = 0;
+  for (const PackLevel& level : level_table()) {
+    if (level.layer == Layer::models) count += static_cast<std::size_t>(level.tiles);
+  }
+  return count;
+}
+
 }  // namespace cairn

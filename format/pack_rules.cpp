@@ -71,17 +71,6 @@ void check_overhang(const IndexEntry& entry, const HeightTile& tile, std::vector
   }
 }
 
-/// Takes the file's name off an error, as a finding is about one file.
-Finding finding_from(const PackReader& pack, const IndexEntry& entry, const Error& error) {
-  const std::string prefixes[] = {pack.path().string() + ": ", std::string(to_string(entry.layer)) +
-                                                                   " tile " + to_string(entry.id) + ": "};
-  std::string what = error.message;
-  for (const std::string& prefix : prefixes) {
-    if (what.starts_with(prefix)) what.erase(0, prefix.size());
-  }
-  return {name_of(entry), what};
-}
-
 void check_other_content(const PackReader& pack, const IndexEntry& entry, std::vector<Finding>& findings) {
   const Result<std::vector<std::byte>> block = pack.read_block(entry);
   if (!block) {
@@ -158,6 +147,16 @@ void check_each_byte_once(const char* where, const std::string& part, std::span<
 }
 
 }  // namespace
+
+Finding finding_from(const PackReader& pack, const IndexEntry& entry, const Error& error) {
+  const std::string prefixes[] = {pack.path().string() + ": ", std::string(to_string(entry.layer)) +
+                                                                   " tile " + to_string(entry.id) + ": "};
+  std::string what = error.message;
+  for (const std::string& prefix : prefixes) {
+    if (what.starts_with(prefix)) what.erase(0, prefix.size());
+  }
+  return {name_of(entry), what};
+}
 
 void check_metadata(const PackReader& pack, std::vector<Finding>& findings) {
   const std::string_view text = pack.metadata_json();

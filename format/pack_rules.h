@@ -15,6 +15,10 @@ namespace cairn {
 /// By index entry; nullopt for what is no height tile or does not decode.
 using Digests = std::vector<std::optional<TileDigest>>;
 
+/// Returns an error of reading a tile as a finding. Takes the file's name off it, as a finding is about one
+/// file.
+Finding finding_from(const PackReader& pack, const IndexEntry& entry, const Error& error);
+
 /// Rule: the metadata exists and is UTF-8.
 void check_metadata(const PackReader& pack, std::vector<Finding>& findings);
 
@@ -28,8 +32,8 @@ void check_coverage(const PackReader& pack, std::vector<Finding>& findings);
 /// Rule: the root's sums over each level are those of the entries.
 void check_level_table(const PackReader& pack, std::vector<Finding>& findings);
 
-/// Rule: the entry's block has its checksum and decodes; minimum, maximum, constant and void flags agree with
-/// the samples; the overhang is void. Returns a height tile's digest.
+/// Rule, but for objects and models: the entry's block has its checksum and decodes; minimum, maximum,
+/// constant and void flags agree with the samples; the overhang is void. Returns a height tile's digest.
 std::optional<TileDigest> check_content(const PackReader& pack, const IndexEntry& entry,
                                         std::vector<Finding>& findings);
 

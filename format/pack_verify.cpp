@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cairn/pack_reader.h"
+#include "format/object_rules.h"
 #include "format/pack_rules.h"
 #include "format/rqt_rules.h"
 
@@ -29,7 +30,10 @@ using IndexedFindings = std::vector<std::pair<std::size_t, Finding>>;
 using Rule = void (*)(Verification&, std::size_t index, std::vector<Finding>&);
 
 void check_tile(Verification& v, std::size_t index, std::vector<Finding>& findings) {
-  v.digests[index] = check_content(v.pack, v.pack.entry(index), findings);
+  const IndexEntry entry = v.pack.entry(index);
+  if (entry.layer == Layer::objects) return check_object_tile(v.pack, entry, findings);
+  if (entry.layer == Layer::models) return check_model(v.pack, entry, findings);
+  v.digests[index] = check_content(v.pack, entry, findings);
 }
 
 void check_relations(Verification& v, std::size_t index, std::vector<Finding>& findings) {

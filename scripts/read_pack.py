@@ -13,7 +13,7 @@ import itertools
 import struct
 import sys
 
-LAYERS = ["heights", "imagery", "rqt", "objects", "water"]
+LAYERS = ["heights", "imagery", "rqt", "objects", "water", "models"]
 CONSTANT = 1
 
 

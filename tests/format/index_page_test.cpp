@@ -167,7 +167,7 @@ TEST_CASE("a root comes back as it was written, and refuses levels that are none
   CHECK(refused([](auto& l) { l[1] = l[0]; }));
   CHECK(refused([](auto& l) { l[0].level = -10; }));
   CHECK(refused([](auto& l) { l[2].level = 21; }));
-  CHECK(refused([](auto& l) { l[2].layer = static_cast<Layer>(5); }));
+  CHECK(refused([](auto& l) { l[2].layer = static_cast<Layer>(6); }));
   CHECK(refused([](auto& l) { l[0].tiles = 0; }));
   CHECK(refused([](auto& l) { l[0].constant_tiles = 2; }));
   CHECK(refused([](auto& l) { l[0].max_error_m = -1; }));

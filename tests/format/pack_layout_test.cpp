@@ -173,7 +173,8 @@ TEST_CASE("packs that differ in anything the header speaks of have different ids
 }
 
 TEST_CASE("an index entry comes back as it was written") {
-  for (const Layer layer : {Layer::heights, Layer::imagery, Layer::rqt, Layer::objects, Layer::water}) {
+  for (const Layer layer : {Layer::heights, Layer::imagery, Layer::rqt, Layer::objects, Layer::water,
+                            Layer::models}) {
     IndexEntry entry = some_entry();
     entry.layer = layer;
     entry.flags = layer == Layer::heights ? kHasVoids : layer == Layer::imagery ? kHasAlpha : 0;
@@ -193,7 +194,7 @@ TEST_CASE("an index entry with a field out of range is refused") {
     return entry;
   };
   REQUIRE_FALSE(refused(some_entry()));
-  CHECK(refused(with([](auto& e) { e.layer = static_cast<Layer>(5); })));
+  CHECK(refused(with([](auto& e) { e.layer = static_cast<Layer>(6); })));
   CHECK(refused(with([](auto& e) { e.flags = 16; })));
   CHECK(refused(with([](auto& e) { e.flags = kHasAlpha; })));
   CHECK(refused(with([](auto& e) { e.layer = Layer::imagery; })));

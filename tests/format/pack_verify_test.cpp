@@ -13,6 +13,7 @@
 #include "format/index_page.h"
 #include "format/pack_writer.h"
 #include "tests/support/test_data.h"
+#include "tests/support/test_objects.h"
 #include "tests/support/test_pack.h"
 
 namespace cairn {
@@ -93,6 +94,50 @@ void edit_index(const fs::path& path, const std::function<void(PackRoot&)>& edit
   edit(root);
   put_root(bytes, header, encode_root(root.levels, encode_leaf_page(root.page.entries)));
   test::write_bytes(path, bytes);
+}
+
+/// A pack of hills with objects in one tile and two models, and what an edit makes of it.
+struct ObjectPack {
+  ObjectTile tile;
+  IndexEntry objects;
+  std::vector<ObjectModel> models;
+  std::vector<IndexEntry> model_entries;
+};
+
+VerifyReport verify_objects(const std::function<void(ObjectPack&)>& edit) {
+  const TileId id{2, 8, 4};
+  ObjectPack pack;
+  pack.models = {test::box_model("hill", 30, 60), test::picture_model("tree", 30, 55)};
+  pack.models[0] = *decode_model_block(encode_model_block(pack.models[0]));
+  const test::TestSurface flat{
+      257, 2, [](auto c, auto r) { return static_cast<std::int32_t>((c + r) % 2); }, {}};
+  const test::TempDir dir;
+  auto writer = PackWriter::create(dir.path() / "o.cairn", test::test_header());
+  REQUIRE(writer.ok());
+  const HeightTile ground = flat.tile(id);
+  REQUIRE(writer->add(test::describe(id, ground), encode_height_block(ground, *height_codecs()[0])).ok());
+  pack.tile.objects = {{0, 0, 128, 128, 0, 4096}, {8, 1, 128, 40000, 9, 4096}};
+  // Both stand just beyond the middle between samples of 0 and 1: below ½ in the first cell, above in the other.
+  pack.tile.lowest_quanta = 0;
+  pack.tile.highest_quanta = 9;
+  pack.objects.layer = Layer::objects;
+  pack.objects.id = id;
+  pack.objects.min_quanta = 2;
+  pack.objects.geometric_error_m = pack.models[0].size_m();
+  for (std::size_t m = 0; m < 2; ++m) {
+    IndexEntry entry;
+    entry.layer = Layer::models;
+    entry.id = model_address(static_cast<std::uint32_t>(m));
+    entry.geometric_error_m = pack.models[m].size_m();
+    entry.min_quanta = m == 0 ? 10 : 0;
+    pack.model_entries.push_back(entry);
+  }
+  edit(pack);
+  REQUIRE(writer->add(pack.objects, encode_object_block(pack.tile)).ok());
+  for (std::size_t m = 0; m < pack.models.size(); ++m)
+    REQUIRE(writer->add(pack.model_entries[m], encode_model_block(pack.models[m])).ok());
+  REQUIRE(writer->finish("{}").ok());
+  return verify(dir.path() / "o.cairn");
 }
 
 const std::vector<TileId> kFour = test::with_ancestors({{2, 8, 4}, {2, 9, 4}, {2, 8, 5}, {2, 9, 5}}, 0);
@@ -416,6 +461,28 @@ TEST_CASE("findings come in the index's order with any number of threads, and no
   REQUIRE(one.findings.size() == kFour.size());
   for (std::size_t i = 0; i < kFour.size(); ++i) CHECK(one.findings[i].where == four.findings[i].where);
   CHECK(verify_pack(path, {2, 3})->findings.size() == 3);
+}
+
+TEST_CASE("verify finds objects that break a rule, each by its own line") {
+  CHECK(verify_objects([](ObjectPack&) {}).ok());
+  const std::string tile = "objects 2/8/4";
+  CHECK(finds(verify_objects([](ObjectPack& p) { p.objects.min_quanta = 3; }), tile, "objects: expected 2"));
+  CHECK(
+      finds(verify_objects([](ObjectPack& p) { p.tile.objects[1].model = 7; }), tile, "a model of the pack"));
+  CHECK(finds(verify_objects([](ObjectPack& p) { p.tile.objects[1].scale = 400; }), tile, "by its size"));
+  CHECK(finds(verify_objects([](ObjectPack& p) { p.objects.geometric_error_m = 59; }), tile,
+              "a size of at most"));
+  CHECK(finds(verify_objects([](ObjectPack& p) { p.tile.lowest_quanta = 1; }), tile, "lowest foot"));
+  CHECK(finds(verify_objects([](ObjectPack& p) { p.tile.highest_quanta = 10; }), tile, "highest foot"));
+  CHECK(finds(verify_objects([](ObjectPack& p) { p.objects.id = {2, 8, 5}; }), "objects 2/8/5", "a void"));
+}
+
+TEST_CASE("verify finds models that break a rule, each by its own line") {
+  CHECK(finds(verify_objects([](ObjectPack& p) { p.model_entries[1].id.x = 2; }), "models 9/2/0", "address"));
+  CHECK(finds(verify_objects([](ObjectPack& p) { p.model_entries[0].min_quanta = 9; }), "models 9/0/0",
+              "triangles: expected 10"));
+  CHECK(finds(verify_objects([](ObjectPack& p) { p.model_entries[0].geometric_error_m = 61; }),
+              "models 9/0/0", "size: expected"));
 }
 
 }  // namespace cairn

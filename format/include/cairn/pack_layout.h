@@ -65,10 +65,11 @@ enum class Layer : std::uint8_t {
   heights = 0,  ///< HeightTile
   imagery = 1,  ///< TextureTile
   rqt = 2,      ///< enabled vertices of restricted quadtree triangulations (Intel 2012)
-  objects = 3,  ///< things that stand on the ground; docs/pack-format.md has the block
+  objects = 3,  ///< ObjectTile: things that stand on the ground
   water = 4,    ///< which samples are water; docs/pack-format.md has the block
+  models = 5,   ///< ObjectModel: what the objects look like, at model_address()
 };
-inline constexpr std::size_t kLayers = 5;
+inline constexpr std::size_t kLayers = 6;
 const char* to_string(Layer layer);
 
 enum EntryFlags : std::uint16_t {
@@ -93,10 +94,13 @@ struct IndexEntry {
   std::uint64_t checksum = 0;  ///< of the block; 0 where there is none
   std::int32_t min_quanta =
       0;  ///< heights: over the samples that are not void, 0 if all are. Imagery: a colour, as RGBA bytes
-  std::int32_t max_quanta = 0;  ///< heights: likewise. Imagery: peak signal-to-noise ratio in 1/1000 dB
-                                ///< (rqt: min and max are triangles of its coarsest and finest triangulation)
+  std::int32_t max_quanta =
+      0;  ///< heights: likewise. Imagery: peak signal-to-noise ratio in 1/1000 dB
+          ///< (rqt: min and max are triangles of its coarsest and finest triangulation;
+          ///< objects: min is their number; models: min is triangles of the finest level)
   /// Heights: the largest distance from the source's posts and the finest samples, never below a
-  /// descendant's. Rqt: the finest triangulation is off its tile's samples by less than this.
+  /// descendant's. Rqt: the finest triangulation is off its tile's samples by less than this. Objects: the
+  /// size of the largest object in the tile or beneath it. Models: the model's size.
   float geometric_error_m = 0;
   std::uint16_t filled = 0;  ///< heights: the share of samples without a source, filled or void, in 1/65535
 

@@ -12,6 +12,8 @@
 
 #include "cairn/byte_source.h"
 #include "cairn/height_tile.h"
+#include "cairn/object_model.h"
+#include "cairn/object_tile.h"
 #include "cairn/pack_layout.h"
 #include "cairn/status.h"
 
@@ -77,6 +79,14 @@ class PackReader {
 
   /// Reads and decodes a tile of the heights layer.
   Result<HeightTile> read_height_tile(const IndexEntry& entry) const;
+
+  /// Reads and decodes a tile of the objects layer; no objects for a constant one.
+  Result<ObjectTile> read_object_tile(const IndexEntry& entry) const;
+
+  /// Reads and decodes a model. The error is bad_data if the pack has none of this number.
+  Result<ObjectModel> read_model(std::uint32_t model) const;
+  /// Returns the number of models: they are numbered from 0.
+  std::size_t model_count() const;
 
  private:
   struct State;
