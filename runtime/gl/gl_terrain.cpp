@@ -5,6 +5,7 @@
 #include "cairn/surface.h"
 #include "runtime/gl/renderer.h"
 #include "runtime/gl/view_transform.h"
+#include "runtime/light/sun_shadows.h"
 
 namespace cairn {
 
@@ -16,7 +17,8 @@ struct GlTerrain::State {
   Surface surface;
   Terrain terrain;
   gl::Renderer renderer;
-  Body body;  ///< the pack's
+  std::shared_ptr<const PackReader> pack;
+  std::unique_ptr<SunShadows> shadows;  ///< from the first picture that has any
   const SurfaceFrame* frame = nullptr;
   const RenderList* list = nullptr;
   ViewState view;
@@ -36,13 +38,13 @@ Result<GlTerrain> GlTerrain::create(std::shared_ptr<const PackReader> pack, cons
   Result<Terrain> terrain = Terrain::open(pack, options, surface.preparing(read_from(pack)));
   if (!terrain) return terrain.error();
   return GlTerrain(std::make_unique<State>(State{
-      std::move(surface), std::move(*terrain), std::move(*renderer), header.body, nullptr, nullptr, {}}));
+      std::move(surface), std::move(*terrain), std::move(*renderer), pack, nullptr, nullptr, nullptr, {}}));
 }
 
 const RenderList& GlTerrain::update(const ViewState& view, double dt_s, double tolerance_px) {
   State& s = *state_;
   s.view = view;
-  s.view.ellipsoid = s.body.shape;
+  s.view.ellipsoid = s.pack->header().body.shape;
   s.terrain.set_tolerance_px(tolerance_px);
   s.list = &s.terrain.update(view, dt_s);
   s.frame = &s.surface.frame(*s.list, {view, tolerance_px, dt_s});
@@ -62,8 +64,16 @@ GlCounts GlTerrain::draw(const GlLook& look, const GlTarget& target, const glm::
   State& s = *state_;
   if (!s.frame) return {};
   GlLook own = look;
-  own.is_earth = look.is_earth && s.body.is_earth();
-  return s.renderer.draw(*s.frame, s.frame->mesh, {s.view, projection, s.list->lowest_m}, own, target);
+  own.is_earth = look.is_earth && s.pack->header().body.is_earth();
+  std::size_t due = 0;
+  if (look.shadows && !look.depth_only) {
+    if (!s.shadows) s.shadows = std::make_unique<SunShadows>(s.pack, kShadowThreads);
+    due = s.renderer.update_shadows(*s.shadows, *s.frame, s.frame->mesh, look.to_sun);
+  }
+  GlCounts counts =
+      s.renderer.draw(*s.frame, s.frame->mesh, {s.view, projection, s.list->lowest_m}, own, target);
+  counts.shadows_due = due;
+  return counts;
 }
 
 const Terrain& GlTerrain::terrain() const {

@@ -37,7 +37,7 @@ class HostState {
     GLint64 start;
     GLint64 size;
   };
-  static constexpr GLuint kUnits = 5;
+  static constexpr GLuint kUnits = 6;
   static constexpr GLuint kTargets = 8;  ///< that every context has at least
 
   std::vector<Switch> switches_;

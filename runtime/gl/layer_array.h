@@ -32,6 +32,7 @@ class LayerArray {
   GLenum format() const { return format_; }
   int size() const { return size_; }
   int mips() const { return mips_; }
+  std::uint32_t layers() const { return layers_; }
 
  private:
   GLenum format_ = 0;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <string>
+#include <unordered_set>
 #include <utility>
 
+#include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/matrix.hpp>
 
@@ -34,7 +36,7 @@ enum Location : GLint {
   kRadii = 11
 };
 constexpr double kFarthestDepth = 1e-30;  // of ground: none is so far that its own would be as small
-enum LookBits : GLuint { kLevelColours = 1, kFog = 2, kEarth = 4, kDither = 8 };
+enum LookBits : GLuint { kLevelColours = 1, kFog = 2, kEarth = 4, kDither = 8, kShadows = 16 };
 
 }  // namespace
 
@@ -71,7 +73,7 @@ void Renderer::State::set_uniforms(const Camera& camera, const GlLook& look) {
   glProgramUniform1f(sky.name(), kLowest, static_cast<float>(std::min(camera.lowest_m, 0.0)));
   const GLuint look_bits = (look.level_colours ? kLevelColours : 0u) |
                            (look.fog && look.is_earth ? kFog : 0u) | (look.is_earth ? kEarth : 0u) |
-                           (look.dithers ? kDither : 0u);
+                           (look.dithers ? kDither : 0u) | (look.shadows ? kShadows : 0u);
   const auto a = static_cast<float>(camera.view.ellipsoid.semi_major_m);
   const auto b = static_cast<float>(camera.view.ellipsoid.semi_minor_m);
   for (const GLuint each : {program, sky.name()}) {
@@ -177,7 +179,35 @@ GlCounts Renderer::draw(const SurfaceFrame& frame, const SurfaceMesh& mesh, cons
   s.draw_ground(mesh, look, calls);
   if (look.sky && !look.depth_only && calls) s.draw_sky(camera, target);
   s.timer.end();
-  return {records.size(), mesh.triangles, s.tiles.bytes() + s.patches.bytes(), s.timer.ms()};
+  return {records.size(), mesh.triangles, 0, s.tiles.bytes() + s.patches.bytes(), s.timer.ms()};
+}
+
+std::size_t Renderer::update_shadows(SunShadows& shadows, const SurfaceFrame& frame, const SurfaceMesh& mesh,
+                                     const glm::dvec3& to_sun) {
+  // A step of the sun that moves the end of a shadow by a thousandth of its length at a height of 45°.
+  constexpr double kSameSun = 5e-4;
+  const HostState host;
+  for (const TileShadow& shadow : shadows.take()) state_->tiles.set_shadow(shadow);
+  std::vector<const RenderTile*> shown;
+  for (const SurfaceDraw& draw : mesh.draws) {
+    const RenderTile* tile = frame.tiles[draw.tile];
+    if (tile->heights && tile->visible) shown.push_back(tile);
+  }
+  std::sort(shown.begin(), shown.end(), [](const RenderTile* a, const RenderTile* b) {
+    return std::pair(a->distance_m, a->heights_id) < std::pair(b->distance_m, b->heights_id);
+  });
+  std::unordered_set<TileId> seen;
+  std::vector<ShadowRequest> due;
+  for (const RenderTile* tile : shown) {
+    if (!seen.insert(tile->heights_id).second) continue;
+    const ResidentHeights* resident = state_->tiles.heights_of(*tile);
+    if (!resident) continue;
+    if (resident->shadow_sun && glm::distance(*resident->shadow_sun, to_sun) < kSameSun) continue;
+    due.push_back({tile->heights_id, tile->heights, to_sun});
+  }
+  const std::size_t count = due.size();
+  shadows.request(std::move(due));
+  return count;
 }
 
 std::vector<Error> Renderer::take_errors() {

@@ -8,6 +8,7 @@
 #include "cairn/gl_terrain.h"
 #include "cairn/status.h"
 #include "cairn/surface.h"
+#include "runtime/light/sun_shadows.h"
 
 namespace cairn::gl {
 
@@ -36,6 +37,11 @@ class Renderer {
   /// a frame's work but the draw calls, to measure it.
   GlCounts draw(const SurfaceFrame& frame, const SurfaceMesh& mesh, const Camera& camera, const GlLook& look,
                 const GlTarget& target, bool calls = true);
+
+  /// Takes the shadows that are done, and asks for those that are due of the tiles that a mesh shows. Returns
+  /// how many of them are not there yet: these tiles show none, or that of a sun that has moved on.
+  std::size_t update_shadows(SunShadows& shadows, const SurfaceFrame& frame, const SurfaceMesh& mesh,
+                             const glm::dvec3& to_sun);
 
   /// What this context cannot show of what it was given, each once, since the last call.
   std::vector<Error> take_errors();

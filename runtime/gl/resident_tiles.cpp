@@ -28,7 +28,7 @@ void ResidentTiles::begin_frame(const SurfaceFrame& frame) {
   for (const SurfaceTextures& fresh : frame.fresh) {
     const std::uint32_t layer = heights_.add(fresh.id, fresh);
     resident_.insert_or_assign(fresh.id,
-                               ResidentHeights{fresh.id, layer, fresh.heights.base, fresh.heights.shift});
+                               ResidentHeights{fresh.id, layer, fresh.heights.base, fresh.heights.shift, {}});
     ++uploaded_;
   }
 }
@@ -40,6 +40,13 @@ void ResidentTiles::release(const TileKey& key) {
   }
   resident_.erase(key.id);
   heights_.release(key.id);
+}
+
+void ResidentTiles::set_shadow(const TileShadow& shadow) {
+  const auto known = resident_.find(shadow.id);
+  if (known == resident_.end()) return;
+  heights_.set_shadow(known->second.layer, shadow.texels);
+  known->second.shadow_sun = shadow.to_sun;
 }
 
 const ResidentHeights* ResidentTiles::heights_of(const RenderTile& tile) const {
@@ -74,7 +81,7 @@ std::optional<ImageryPlace> ResidentTiles::imagery_of(const RenderTile& tile) {
 }
 
 void ResidentTiles::bind() const {
-  heights_.bind(0, 1);
+  heights_.bind(0, 1, 5);
   for (std::size_t i = 0; i < imagery_.size(); ++i) imagery_[i].bind(static_cast<GLuint>(2 + i));
 }
 

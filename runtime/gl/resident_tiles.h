@@ -8,10 +8,13 @@
 #include <unordered_map>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
 #include "cairn/render_list.h"
 #include "cairn/status.h"
 #include "cairn/surface.h"
 #include "runtime/gl/tile_textures.h"
+#include "runtime/light/sun_shadows.h"
 
 namespace cairn::gl {
 
@@ -21,6 +24,7 @@ struct ResidentHeights {
   std::uint32_t layer = 0;
   std::int32_t base = 0;  ///< of HeightTexels
   int shift = 0;
+  std::optional<glm::dvec3> shadow_sun;  ///< for which the layer has a shadow
 };
 
 /// Where a tile of imagery is on the GPU.
@@ -42,7 +46,10 @@ class ResidentTiles {
   /// nullopt where the tile has none or the context cannot read its format.
   std::optional<ImageryPlace> imagery_of(const RenderTile& tile);
 
-  void bind() const;  ///< heights, normals and the three formats to the units 0…4
+  /// Takes a shadow; that of a tile which is no longer here is dropped.
+  void set_shadow(const TileShadow& shadow);
+
+  void bind() const;  ///< heights, normals, the three formats of imagery and shadows to the units 0…5
   int cells_log2() const { return std::countr_zero(static_cast<unsigned>(tile_size_ - 1)); }
   int tile_size() const { return tile_size_; }
   std::size_t uploads() const { return uploaded_; }  ///< tiles of this frame

@@ -75,16 +75,29 @@ bool can_read(TextureFormat format) {
 
 }  // namespace
 
+namespace {
+
+/// All lit.
+void clear_shadow(const LayerArray& shadows, std::uint32_t first, std::uint32_t count) {
+  const GLbyte lit = -127;
+  glClearTexSubImage(shadows.name(), 0, 0, 0, static_cast<GLint>(first), shadows.size(), shadows.size(),
+                     static_cast<GLsizei>(count), GL_RED, GL_BYTE, &lit);
+}
+
+}  // namespace
+
 HeightTextures::HeightTextures(int tile_size, std::uint32_t first_layers)
     : first_layers_(first_layers),
       heights_(GL_R16, tile_size, 1),
-      normals_(GL_COMPRESSED_SIGNED_RG_RGTC2, tile_size - 1, kNormalMips) {}
+      normals_(GL_COMPRESSED_SIGNED_RG_RGTC2, tile_size - 1, kNormalMips),
+      shadows_(GL_R8_SNORM, tile_size, 1) {}
 
 std::uint32_t HeightTextures::add(const TileId& id, const SurfaceTextures& upload) {
   const std::uint32_t layer = layer_for(slots_, id, first_layers_, [this](std::uint32_t capacity) {
     heights_.grow(capacity, filter_without_mips);
     normals_.grow(capacity, filter_linear);
   });
+  if (layer < shadows_.layers()) clear_shadow(shadows_, layer, 1);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTextureSubImage3D(heights_.name(), 0, 0, 0, static_cast<GLint>(layer), heights_.size(), heights_.size(),
                       1, GL_RED, GL_UNSIGNED_SHORT, upload.heights.texels.data());
@@ -97,9 +110,20 @@ std::uint32_t HeightTextures::add(const TileId& id, const SurfaceTextures& uploa
   return layer;
 }
 
-void HeightTextures::bind(GLuint heights_unit, GLuint normals_unit) const {
+void HeightTextures::set_shadow(std::uint32_t layer, const std::vector<std::int8_t>& texels) {
+  if (const std::uint32_t had = shadows_.layers(); had < slots_.capacity()) {
+    shadows_.grow(slots_.capacity(), filter_without_mips);
+    clear_shadow(shadows_, had, slots_.capacity() - had);
+  }
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTextureSubImage3D(shadows_.name(), 0, 0, 0, static_cast<GLint>(layer), shadows_.size(), shadows_.size(),
+                      1, GL_RED, GL_BYTE, texels.data());
+}
+
+void HeightTextures::bind(GLuint heights_unit, GLuint normals_unit, GLuint shadows_unit) const {
   glBindTextureUnit(heights_unit, heights_.name());
   glBindTextureUnit(normals_unit, normals_.name());
+  glBindTextureUnit(shadows_unit, shadows_.name());
 }
 
 std::uint64_t HeightTextures::bytes() const {
@@ -107,7 +131,7 @@ std::uint64_t HeightTextures::bytes() const {
       static_cast<std::uint64_t>(heights_.size()) * static_cast<std::uint64_t>(heights_.size());
   const auto cells =
       static_cast<std::uint64_t>(normals_.size()) * static_cast<std::uint64_t>(normals_.size());
-  return slots_.capacity() * (samples * 2 + cells * 4 / 3);
+  return slots_.capacity() * (samples * 2 + cells * 4 / 3) + shadows_.layers() * samples;
 }
 
 ImageryTextures::ImageryTextures(TextureFormat format, int size, std::uint32_t first_layers)

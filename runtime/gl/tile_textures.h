@@ -13,7 +13,8 @@
 
 namespace cairn::gl {
 
-/// The heights and normals of tiles, a layer each of two array textures. A tile stays until it is released.
+/// The heights, normals and shadows of tiles, a layer each of three array textures. A tile stays until it is
+/// released.
 class HeightTextures {
  public:
   /// Room for `first_layers` is made with the first tile, for twice as many when that is used up.
@@ -23,7 +24,9 @@ class HeightTextures {
   std::optional<std::uint32_t> find(const TileId& id) { return slots_.find(id); }
   /// REQUIRES: find() has said no. Grows where all layers are in use.
   std::uint32_t add(const TileId& id, const SurfaceTextures& upload);
-  void bind(GLuint heights_unit, GLuint normals_unit) const;
+  /// Gives a layer the shadow of its tile, as tile_shadow() has it; before, it has none.
+  void set_shadow(std::uint32_t layer, const std::vector<std::int8_t>& texels);
+  void bind(GLuint heights_unit, GLuint normals_unit, GLuint shadows_unit) const;
   std::uint64_t bytes() const;
 
  private:
@@ -31,6 +34,7 @@ class HeightTextures {
   SlotPool<TileId> slots_;
   LayerArray heights_;
   LayerArray normals_;
+  LayerArray shadows_;  // without layers until the first shadow
 };
 
 /// The imagery of tiles in one block format, uploaded as the pack stores it. A tile stays until it is

@@ -26,6 +26,7 @@ void report(Scene& scene, std::ostream& messages) {
 Status take_screenshot(const Options& options, Scene& scene, FrameLook look, const ViewState& view,
                        const gl::FrameTarget& target, std::ostream& messages) {
   look.to_sun = sun_direction(view.eye, options.hour);
+  look.waits_for_shadows = true;
   scene.load_all(view);
   scene.draw(view, 0, look, target.framebuffer());
   report(scene, messages);
@@ -100,7 +101,9 @@ class FlightRun {
     const double begin = 1e3 * thread_cpu_s();
     scene_.update(view, 1 / flight_.frames_per_second);
     const double updated = 1e3 * thread_cpu_s();
-    const FrameCounts counts = scene_.draw_list(view, look, target_.framebuffer());
+    FrameLook shown = look;
+    shown.waits_for_shadows = keeps;
+    const FrameCounts counts = scene_.draw_list(view, shown, target_.framebuffer());
     const double drawn = 1e3 * thread_cpu_s();
     if (stats_.is_open()) {
       stats_ << index << ',' << updated - begin << ',' << drawn - updated << ',' << counts.upload_ms << ','

@@ -47,6 +47,7 @@ void declare(CLI::App& app, cairn::viewer::Options& o) {
   app.add_option("--samples", o.samples, "samples per pixel, which smooth edges; 1 for none")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  app.add_flag("--no-shadows", o.no_shadows, "ground casts no shadows");
   app.add_flag("--no-dither", o.no_dither,
                "no noise of one step of 8 bits, which keeps the sky free of bands");
   app.add_flag("--no-fog", o.no_fog, "clear air");

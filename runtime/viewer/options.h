@@ -23,6 +23,7 @@ struct Options {
   std::string method;  ///< of lod_methods(); empty: the renderer's own mesh
   std::uint64_t cache_mib = 512;
   int samples = 4;  ///< a pixel
+  bool no_shadows = false;
   bool no_dither = false;
   bool no_fog = false;
   bool wireframe = false;

@@ -83,6 +83,8 @@ bool draw_settings(PanelState& state, FrameLook& look) {
   ImGui::Checkbox("levels", &look.level_colours);
   ImGui::SameLine();
   ImGui::Checkbox("fog", &look.fog);
+  ImGui::SameLine();
+  ImGui::Checkbox("shadows", &look.shadows);
   float hour = static_cast<float>(state.hour), tolerance = static_cast<float>(look.tolerance_px);
   if (ImGui::SliderFloat("hour", &hour, 0, 24, "%.1f")) state.hour = static_cast<double>(hour);
   if (ImGui::SliderFloat("pixels of error", &tolerance, 0.1f, 20, "%.1f")) {

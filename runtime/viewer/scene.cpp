@@ -10,6 +10,7 @@
 #include "cairn/remote_pack.h"
 #include "runtime/flight/camera_text.h"
 #include "runtime/gl/view_transform.h"
+#include "runtime/light/sun_shadows.h"
 #include "runtime/surface/drawn_ground.h"
 #include "runtime/view/cpu_clock.h"
 #include "runtime/viewer/method_mesh.h"
@@ -108,14 +109,23 @@ FrameCounts Scene::draw_list(const ViewState& view, const FrameLook& look, unsig
   GlLook shown = look;
   shown.sky = !look.hole_colour;
   shown.is_earth = pack_->header().body.is_earth();
-  if (look.method) {
-    static_cast<GlCounts&>(counts) =
-        renderer_.draw(frame, method_mesh(frame, view, look), camera, shown, target, look.draws);
-  } else {
+  if (!look.method) {
     method_info_ = nullptr;
     method_.reset();
-    static_cast<GlCounts&>(counts) = renderer_.draw(frame, frame.mesh, camera, shown, target, look.draws);
   }
+  const SurfaceMesh own = look.method ? method_mesh(frame, view, look) : SurfaceMesh{};
+  const SurfaceMesh& mesh = look.method ? own : frame.mesh;
+  std::size_t due = 0;
+  if (look.shadows) {
+    if (!shadows_) shadows_ = std::make_unique<SunShadows>(pack_, kShadowThreads);
+    due = renderer_.update_shadows(*shadows_, frame, mesh, look.to_sun);
+    while (due > 0 && look.waits_for_shadows) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      due = renderer_.update_shadows(*shadows_, frame, mesh, look.to_sun);
+    }
+  }
+  static_cast<GlCounts&>(counts) = renderer_.draw(frame, mesh, camera, shown, target, look.draws);
+  counts.shadows_due = due;
   return counts;
 }
 
@@ -149,6 +159,7 @@ std::vector<Error> Scene::take_errors() {
 Result<FrameLook> look_of(const Options& options) {
   FrameLook look;
   look.fog = !options.no_fog;
+  look.shadows = !options.no_shadows;
   look.dithers = !options.no_dither;
   look.wireframe = options.wireframe;
   look.level_colours = options.levels;

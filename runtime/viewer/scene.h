@@ -23,6 +23,7 @@ struct FrameLook : GlLook {
   double tolerance_px = 1;                ///< screen error of mesh and tiles together; > 0
   const LodMethodInfo* method = nullptr;  ///< draws a method's mesh instead of the surface: on one thread,
                                           ///< tiles exchanged at once, so for comparing pictures
+  bool waits_for_shadows = false;         ///< draws when all shadows are there
   bool draws = true;                      ///< false: all of a frame's work but the draw calls, to measure it
 };
 
@@ -73,6 +74,7 @@ class Scene {
   Surface surface_;
   Terrain terrain_;
   gl::Renderer renderer_;
+  std::unique_ptr<SunShadows> shadows_;  // from the first frame that has any
   const RenderList* list_ = nullptr;
   const LodMethodInfo* method_info_ = nullptr;  // of the method, which is kept from frame to frame
   std::unique_ptr<LodMethod> method_;

@@ -5,13 +5,14 @@ layout(binding = 1) uniform sampler2DArray normal_map;
 layout(binding = 2) uniform sampler2DArray bc1;
 layout(binding = 3) uniform sampler2DArray bc3;
 layout(binding = 4) uniform sampler2DArray bc7;
+layout(binding = 5) uniform sampler2DArray shadow_texels;  // how far ground rises above the sun, 1: 2 degrees
 
 layout(location = 2) uniform uint tile_cells_log2;
 layout(location = 7) uniform float quantum;
 layout(location = 3) uniform vec3 eye_geocentric;
 layout(location = 4) uniform vec3 to_sun;
 layout(location = 5) uniform float eye_height;
-layout(location = 6) uniform uint look;  // bits: 1 level colours, 2 fog, 4 the Earth, 8 dithering
+layout(location = 6) uniform uint look;  // bits: 1 level colours, 2 fog, 4 the Earth, 8 dithering, 16 shadows
 layout(location = 11) uniform vec3 radii;  // of the ellipsoid
 
 layout(location = 0) in vec2 patch_place;
@@ -143,6 +144,15 @@ vec3 normal_east_north_up() {
   return vec3(n, sqrt(max(0.0, 1.0 - dot(n, n))));
 }
 
+// The share of the sun's disc, 0.53 degrees wide, that no ground hides.
+float sun_share() {
+  if ((look & 16u) == 0u || !has_heights()) return 1.0;
+  float samples = exp2(float(tile_cells_log2)) + 1.0;
+  vec2 place = (heights_window.xy + within_patch() * heights_window.z) * (samples - 1.0);
+  float rise = 2.0 * textureLod(shadow_texels, vec3((place + 0.5) / samples, heights_window.w), 0.0).r;
+  return smoothstep(-0.267, 0.267, -rise);
+}
+
 // Air between the eye and here, as a share of what hides all: density falls off as exp(-height / 8 km).
 float haze(float distance) {
   const float kScale = 8000.0, kPerMetre = 1.0 / 300000.0;
@@ -164,7 +174,7 @@ void main() {
   // Without air the terminator is sharp, and what the sun does not reach is dark but for a trace.
   bool earth = (look & 4u) != 0u;
   float day = earth ? smoothstep(-0.12, 0.15, dot(up, to_sun)) : step(-0.02, dot(up, to_sun));
-  float sun = max(dot(normal, to_sun), 0.0) * day;
+  float sun = max(dot(normal, to_sun), 0.0) * day * sun_share();
   float sky = 0.5 + 0.5 * dot(normal, up);
   vec3 light = earth ? sun * vec3(1.12, 1.06, 0.95) + sky * (0.04 + 0.22 * day) * vec3(0.75, 0.9, 1.15)
                      : vec3(1.4 * sun + 0.015);

@@ -25,6 +25,9 @@ struct GlLook {
   bool fog = true;
   /// Air, and water at 0 m and below; else a black sky and grey ground. False of a pack of another body.
   bool is_earth = true;
+  /// Ground casts shadows, which are made on threads, tile by tile, when a tile is first shown and when the
+  /// sun has moved. Until then a tile has none; GlCounts says how many.
+  bool shadows = false;
   bool depth_only = false;  ///< no colour is written, and no sky
   bool wireframe = false;
   bool dithers = false;        ///< noise of a step of 8 bits, so that the sky shows no bands
@@ -46,6 +49,7 @@ struct GlTarget {
 struct GlCounts {
   std::size_t patches = 0;
   std::size_t triangles = 0;
+  std::size_t shadows_due = 0;   ///< tiles that show no shadow yet, or that of an earlier sun
   std::uint64_t gpu_bytes = 0;   ///< of textures and buffers
   std::optional<double> gpu_ms;  ///< of an earlier picture, the last that the GPU has finished; by its clock
 };
