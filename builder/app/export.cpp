@@ -97,6 +97,8 @@ std::string remedy_for(const Error& error) {
     return "; --datum tells it, --heights stored leaves heights as they are";
   if (says("geoid: expected the undulations"))
     return "; --geoid names a file of them, --heights stored leaves heights as they are";
+  if (says("which the memory holds")) return "; --memory allows more";
+  if (says("error: expected")) return "; --max-error says it";
   return "";
 }
 
@@ -151,11 +153,11 @@ void add_export(CLI::App& app, int& exit_code) {
   verb->add_option("-o,--output", o.target, "the file or folder to make")->required();
   verb->add_option("--format", arguments->format, summaries)->required()->check(CLI::IsMember(formats));
   verb->add_option("--region", arguments->region,
-                   "WEST,SOUTH,EAST,NORTH in degrees: only tiles that touch it, and those above them")
+                   "WEST,SOUTH,EAST,NORTH in degrees: only what touches it, and the tiles above that")
       ->delimiter(',')
       ->expected(4);
   verb->add_option("--max-error", o.max_error_m,
-                   "metres that no source post is off by in tiles that have no finer ones")
+                   "metres that no source post is off by, in tiles that have no finer ones")
       ->check(CLI::Range(1e-4, 1e5));
   verb->add_option("--levels", arguments->levels,
                    "A-B: the coarsest and the finest level of the output's tiles");

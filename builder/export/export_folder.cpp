@@ -102,4 +102,9 @@ Status ExportFolder::finish_as_file(const fs::path& name) {
   return error ? Status(failed(part_.string() + ": remove: " + error.message())) : Status();
 }
 
+void ExportFolder::discard() {
+  std::error_code ignored;
+  fs::remove_all(part_, ignored);
+}
+
 }  // namespace cairn

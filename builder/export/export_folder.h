@@ -40,6 +40,9 @@ class ExportFolder {
   /// Gives one of the files the target's name and removes the folder with all else in it.
   Status finish_as_file(const std::filesystem::path& name);
 
+  /// Removes the folder with all in it: nothing of it can be gone on from.
+  void discard();
+
  private:
   ExportFolder(std::filesystem::path target, std::filesystem::path part, File journal)
       : target_(std::move(target)), part_(std::move(part)), journal_(std::move(journal)) {}

@@ -43,6 +43,7 @@ class GlbWriter {
                  {"scene", 0},
                  {"scenes", Json::array({{{"nodes", Json::array({0})}}})},
                  {"nodes", Json::array({{{"mesh", 0}, {"translation", y_up(middle_)}}})}};
+    if (!mesh_.about.empty()) gltf["asset"]["extras"] = Json::parse(mesh_.about);
     gltf["meshes"] =
         Json::array({{{"primitives",
                        Json::array({{{"attributes", attributes}, {"indices", indices}, {"material", 0}}})}}});

@@ -46,13 +46,14 @@ RowSpan row_span(const std::array<GridPlace, 3>& corners, std::int64_t row, std:
 
 }  // namespace
 
-GreedyMesh::GreedyMesh(std::int64_t side, const std::array<double, 4>& corners,
-                       std::span<const HeightSamples> samples, VertexHeight vertex_height)
-    : side_(side),
+GreedyMesh::GreedyMesh(const GridPlace& north_east, const std::array<double, 4>& corners,
+                       std::span<const HeightSamples> samples, Border border, VertexHeight vertex_height)
+    : margin_(border == Border::given ? 1 : 0),
+      north_east_(north_east),
       samples_(samples),
-      index_(samples, side),
+      index_(samples, std::max(north_east.column, north_east.row)),
       vertex_height_(std::move(vertex_height)),
-      net_({0, 0}, {side, side}),
+      net_({0, 0}, north_east),
       heights_(corners.begin(), corners.end()),
       worst_(2),
       unmeasured_{0, 1} {}
@@ -94,12 +95,13 @@ void GreedyMesh::insert(const GridPlace& place, double metres, std::size_t trian
   }
 }
 
-void GreedyMesh::refine(double tolerance_m) {
+bool GreedyMesh::refine(double tolerance_m, std::size_t most_vertices) {
   for (;;) {
     for (const std::size_t t : std::exchange(unmeasured_, {}))
       if (!worst_[t].measured) measure(t);
     while (!queue_.empty() && worst_[queue_.top().triangle].version != queue_.top().version) queue_.pop();
-    if (queue_.empty() || queue_.top().error_m <= tolerance_m) return;
+    if (queue_.empty() || queue_.top().error_m <= tolerance_m) return true;
+    if (net_.places().size() >= most_vertices) return false;
     const std::size_t triangle = queue_.top().triangle;
     queue_.pop();
     const Worst worst = worst_[triangle];
@@ -144,12 +146,11 @@ void GreedyMesh::scan(std::size_t triangle, std::uint32_t number, Worst& worst) 
   const double north_slope = (rise_2 * column_of(1) - rise_1 * column_of(2)) / area;
   for (std::int64_t r = first_row; r <= last_row; ++r) {
     const std::int64_t y = grid.row + r * grid.step;
-    if (y <= 0 || y >= side_) continue;
+    if (y < margin_ || y > north_east_.row - margin_) continue;
     RowSpan span = row_span(corners, y, grid.column, grid.step);
-    span.first =
-        std::max<std::int64_t>(span.first, grid.column > 0 ? 0 : ceil_div(1 - grid.column, grid.step));
-    span.last =
-        std::min<std::int64_t>({span.last, grid.columns - 1, floor_div(side_ - 1 - grid.column, grid.step)});
+    span.first = std::max<std::int64_t>({span.first, 0, ceil_div(margin_ - grid.column, grid.step)});
+    span.last = std::min<std::int64_t>(
+        {span.last, grid.columns - 1, floor_div(north_east_.column - margin_ - grid.column, grid.step)});
     const float* row = grid.metres.data() + grid.index(0, static_cast<int>(r));
     const double start = heights_[v[0]] + north_slope * static_cast<double>(y - corners[0].row) +
                          east * static_cast<double>(grid.column - corners[0].column);

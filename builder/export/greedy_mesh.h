@@ -14,24 +14,30 @@
 
 namespace cairn {
 
-/// A triangle mesh over a square that grows by the sample that it is farthest from (Garland & Heckbert 1995,
-/// "Fast polygonal approximation of terrains and height fields", algorithm III). Triangles are Delaunay. Only
-/// add() puts vertices on the square's border.
+/// A triangle mesh over a rectangle that grows by the sample that it is farthest from (Garland & Heckbert
+/// 1995, "Fast polygonal approximation of terrains and height fields", algorithm III). Triangles are
+/// Delaunay.
 class GreedyMesh {
  public:
+  enum class Border {
+    given,    ///< only add() puts vertices on it
+    refined,  ///< it grows like the rest
+  };
+
   /// The height that a vertex at a sample gets, which may be rounded.
   using VertexHeight = std::function<double(const HeightSamples& grid, int column, int row)>;
 
-  /// The square from (0, 0) to (side, side) with these heights at its south-western, south-eastern,
-  /// north-eastern and north-western corner. REQUIRES: the samples outlive the mesh.
-  GreedyMesh(std::int64_t side, const std::array<double, 4>& corners, std::span<const HeightSamples> samples,
-             VertexHeight vertex_height);
+  /// The rectangle from (0, 0) on with these heights at its south-western, south-eastern, north-eastern and
+  /// north-western corner. REQUIRES: the samples outlive the mesh.
+  GreedyMesh(const GridPlace& north_east, const std::array<double, 4>& corners,
+             std::span<const HeightSamples> samples, Border border, VertexHeight vertex_height);
 
   /// Adds a vertex; nothing happens where there is one.
   void add(const GridPlace& place, double metres);
 
-  /// Adds samples until none is farther from the mesh than this.
-  void refine(double tolerance_m);
+  /// Adds samples until none is farther from the mesh than this. Returns false where it stopped before, at so
+  /// many vertices.
+  bool refine(double tolerance_m, std::size_t most_vertices = SIZE_MAX);
 
   const std::vector<GridPlace>& places() const { return net_.places(); }
   const std::vector<double>& heights() const { return heights_; }
@@ -61,7 +67,8 @@ class GreedyMesh {
   void measure(std::size_t triangle);
   void scan(std::size_t triangle, std::uint32_t grid, Worst& worst) const;
 
-  std::int64_t side_;
+  std::int64_t margin_;  // samples nearer to the border do not become vertices
+  GridPlace north_east_;
   std::span<const HeightSamples> samples_;
   GridIndex index_;
   VertexHeight vertex_height_;

@@ -83,6 +83,10 @@ std::vector<Patch> PackPatches::over(const TickRect& rect, double error_m, int f
   return over(rect, {error_m, finest, false});
 }
 
+std::vector<Patch> PackPatches::over_with_rims(const TickRect& rect, double error_m) const {
+  return over(rect, {error_m, finest_, true});
+}
+
 std::vector<Patch> PackPatches::over_rims(const TickRect& rect) const {
   return over(rect, {std::numeric_limits<double>::infinity(), finest_, true});
 }

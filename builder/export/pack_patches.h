@@ -34,6 +34,9 @@ class PackPatches {
   /// come. A rectangle without width or height is a line: tiles on both sides of it come.
   std::vector<Patch> over(const TickRect& rect, double error_m, int finest) const;
 
+  /// Likewise, but where the coarse tiles have a void the finest ones come.
+  std::vector<Patch> over_with_rims(const TickRect& rect, double error_m) const;
+
   /// The finest tiles that have a sample within the rectangle, and those coarser ones that have no void.
   std::vector<Patch> over_rims(const TickRect& rect) const;
 

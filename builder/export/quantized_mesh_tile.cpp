@@ -246,8 +246,10 @@ void TileMaker::start_mesh() {
   };
   const auto &south = edge(TileSide::south), &north = edge(TileSide::north);
   mesh_.emplace(
-      side_, std::array{south.front().metres, south.back().metres, north.back().metres, north.front().metres},
-      grids_, [this](const HeightSamples& g, int c, int r) { return height_of_vertex(g, c, r); });
+      GridPlace{side_, side_},
+      std::array{south.front().metres, south.back().metres, north.back().metres, north.front().metres},
+      grids_, GreedyMesh::Border::given,
+      [this](const HeightSamples& g, int c, int r) { return height_of_vertex(g, c, r); });
   for (const auto& v : south) mesh_->add({(v.along - rect_.west) / unit_, 0}, v.metres);
   for (const auto& v : edge(TileSide::east)) mesh_->add({side_, (v.along - rect_.south) / unit_}, v.metres);
   for (const auto& v : north) mesh_->add({(v.along - rect_.west) / unit_, side_}, v.metres);

@@ -2,10 +2,8 @@
 // say beside them.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
-#include <GeographicLib/TransverseMercator.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <tbb/task_arena.h>
@@ -15,6 +13,7 @@
 #include "builder/export/export_format.h"
 #include "builder/export/geodesy.h"
 #include "builder/export/grid_error.h"
+#include "builder/export/local_plane.h"
 #include "builder/export/pack_accuracy.h"
 #include "cairn/pack_sampler.h"
 
@@ -23,41 +22,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kMostTiles = 64;        // along a side
-constexpr double kMostWidth_m = 1e6;  // a plane is none of a larger region
+constexpr int kMostTiles = 64;  // along a side
 constexpr double kLargest = 65535;
 constexpr std::size_t kSamplerTiles = 16;
-
-/// Metres east and north of a place, by a transverse Mercator projection around it that keeps lengths at its
-/// meridian: 1e-4 is lost 90 km away from it.
-class LocalPlane {
- public:
-  LocalPlane(LonLat centre, const Ellipsoid& ellipsoid)
-      : projection_(ellipsoid.semi_major_m, ellipsoid.flattening(), 1), centre_(centre) {
-    double east = 0;
-    projection_.Forward(centre.lon, centre.lat, centre.lon, east, origin_);
-  }
-
-  struct Point {
-    double east_m, north_m;
-  };
-  Point to_plane(LonLat place) const {
-    Point p{};
-    projection_.Forward(centre_.lon, place.lat, place.lon, p.east_m, p.north_m);
-    p.north_m -= origin_;
-    return p;
-  }
-  LonLat to_place(Point p) const {
-    LonLat place;
-    projection_.Reverse(centre_.lon, p.east_m, p.north_m + origin_, place.lat, place.lon);
-    return place;
-  }
-
- private:
-  GeographicLib::TransverseMercator projection_;
-  LonLat centre_;
-  double origin_ = 0;
-};
 
 struct Heightmap {
   int posts = 0;
@@ -117,24 +84,9 @@ Status HeightmapExport::plan(const VerticalShift& shift) {
   }
   const LonLat centre{(region_.west + region_.east) / 2, (region_.south + region_.north) / 2};
   plane_.emplace(centre, pack_.header().body.shape);
-  double west = 0, south = 0, east = 0, north = 0;
-  constexpr int kPieces = 16;
-  for (int i = 0; i <= kPieces; ++i) {
-    const double lon = region_.west + region_.width() * i / kPieces,
-                 lat = region_.south + region_.height() * i / kPieces;
-    for (const LonLat rim : {LonLat{lon, region_.south}, LonLat{lon, region_.north},
-                             LonLat{region_.west, lat}, LonLat{region_.east, lat}}) {
-      const LocalPlane::Point p = plane_->to_plane(rim);
-      west = std::min(west, p.east_m);
-      east = std::max(east, p.east_m);
-      south = std::min(south, p.north_m);
-      north = std::max(north, p.north_m);
-    }
-  }
-  if (!(std::max(east - west, north - south) <= kMostWidth_m))
-    return usage_error(
-        fmt::format("region: expected at most {:g} km a side on a plane, found {:.0f} x {:.0f} km",
-                    kMostWidth_m / 1000, (east - west) / 1000, (north - south) / 1000));
+  const auto rim = rim_on_plane(*plane_, region_);
+  if (!rim) return rim.error();
+  const auto& [west, south, east, north] = *rim;
   const double own = degree_lengths(centre.lat, pack_.header().body.shape).lat_m *
                      std::ldexp(1.0, -patches_.finest()) / (pack_.header().tile_size - 1);
   const double unit = std::pow(10, std::floor(std::log10(own)) - 1);
@@ -229,7 +181,7 @@ Result<MadeFile> HeightmapExport::make(MetreTiles& tiles, const VerticalShift& s
   }
   const auto error =
       grid_error(patches_, tiles, shift, ticks_around(bounds_of(x, y)), kMaxLevel, grid, [&](LonLat p) {
-        const LocalPlane::Point at = plane_->to_plane(p);
+        const PlanePoint at = plane_->to_plane(p);
         return GridPosition{(at.east_m - west) / map_.spacing_m, (north - at.north_m) / map_.spacing_m};
       });
   if (!error) return error.error();
@@ -257,7 +209,7 @@ Json HeightmapExport::sidecar(const ExportReport& report) const {
       {"vertical_datum", to_string(report.datum)},
       {"centre", {{"lon", centre.lon}, {"lat", centre.lat}}},
       {"first_post_m", {{"east", map_.west_m}, {"north", map_.north_m}}},
-      {"projection", "transverse Mercator on WGS84 around the centre, scale 1"},
+      {"projection", plane_->description()},
       {"max_error_m", report.levels.front().max_error_m},
       {"void_posts", has_voids_ ? "stand at lowest_m" : "none"},
       {"unreal",
