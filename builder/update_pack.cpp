@@ -65,9 +65,7 @@ Result<OldPack> open_old(const fs::path& path) {
     old.options = metadata.at("options");
     old.dems = named_sources(metadata.at("sources"));
     if (metadata.contains("imagery")) old.images = named_sources(metadata.at("imagery").at("sources"));
-    if (metadata.contains("accuracy"))
-      old.allow_error =
-          metadata.at("accuracy").at("max_m").get<double>() > metadata.at("error_bound_m").get<double>();
+    if (metadata.contains("accuracy")) old.allow_error = metadata.at("accuracy").contains("excess");
   } catch (const std::exception& error) {
     return bad_data(path.string() + ": metadata: " + error.what());
   }

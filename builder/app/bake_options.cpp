@@ -102,6 +102,9 @@ void add_datum_options(CLI::App& verb, BakeArguments& arguments) {
   verb.add_option("--void", o.heights.voids, "fill voids smoothly, or keep them as holes")
       ->transform(one_of(voids))
       ->default_str("fill");
+  verb.add_option("--void-distance", o.mosaic.void_posts,
+                  "posts from one with a value up to which voids are filled; by default any distance")
+      ->check(CLI::Range(0.0, 256.0));
   verb.add_option("--datum", o.mosaic.datum,
                   "what the sources' heights are measured from: egm96, ellipsoid or unknown; by default what "
                   "they say, which then has to be one datum")
@@ -133,6 +136,11 @@ void add_imagery_options(CLI::App& verb, BakeArguments& arguments) {
                   "W,S,E,N in degrees: where images lie that do not say it themselves")
       ->delimiter(',')
       ->expected(4);
+  verb.add_option("--image-range", arguments.image_range,
+                  "LOW,HIGH: samples of the images that become black and white; by default 0 and the most of "
+                  "their bits")
+      ->delimiter(',')
+      ->expected(2);
   verb.add_option("--feather", o.feather_pixels, "pixels over which an image's rim fades into those beneath")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
@@ -157,6 +165,9 @@ Result<BuildOptions> options_from(const BakeArguments& arguments) {
   if (auto status = use_bounds("--bounds", arguments.image_bounds, options.imagery.bounds); !status)
     return status.error();
   if (auto status = use_level(arguments.level, options); !status) return status.error();
+  if (const auto& range = arguments.image_range; !range.empty() && !(range[0] < range[1]))
+    return usage_error("--image-range: expected LOW below HIGH, found " + std::to_string(range[0]) + " and " +
+                       std::to_string(range[1]));
   if (!arguments.geoid.empty()) options.mosaic.geoid = arguments.geoid;
   if (arguments.inputs.empty() && arguments.images.empty())
     return usage_error("bake: expected DEMs, or images after --imagery, found neither");
@@ -168,7 +179,7 @@ Result<BuildOptions> options_from(const BakeArguments& arguments) {
   auto rules = source_rules(arguments.sources);
   if (!rules) return rules.error();
   options.mosaic.source_rules = std::move(*rules);
-  options.imagery.source_rules = image_rules(arguments.sources);
+  options.imagery.source_rules = image_rules(arguments.sources, arguments.image_range);
   if (auto status = check_rules(options.mosaic); !status) return status.error();
   if (auto status = find_inputs(arguments.images, arguments.search, options.imagery.inputs); !status)
     return status.error();

@@ -20,6 +20,7 @@ struct BakeArguments {
   std::vector<double> region;
   SourceArguments sources;
   std::vector<double> image_bounds;
+  std::vector<double> image_range;  ///< empty, or the samples that become black and white
   std::string level = "auto";
   std::string geoid;
   std::size_t memory_mib = 1024;

@@ -51,9 +51,12 @@ void print_table(const Json& r, const BuildOptions& options) {
              r["peak_rss_mib"].get<double>());
   if (a.is_object()) {
     fmt::print(
-        "accuracy at {} posts: max {:.4g} m (bound {:.4g}), rms {:.4g}, p50 {:.4g}, p95 {:.4g}, p99 "
+        "accuracy at {} posts: max {:.4g} m (bound {:.4g}{}), rms {:.4g}, p50 {:.4g}, p95 {:.4g}, p99 "
         "{:.4g}\n",
         a["posts"].get<std::uint64_t>(), a["max_m"].get<double>(), r["error_bound_m"].get<double>(),
+        r.contains("least_error_bound_m")
+            ? fmt::format("; {:.4g} of fractions", r["least_error_bound_m"].get<double>())
+            : "",
         a["rms_m"].get<double>(), a["p50_m"].get<double>(), a["p95_m"].get<double>(),
         a["p99_m"].get<double>());
   }

@@ -104,7 +104,10 @@ void print_text(const PackReader& pack, const Json& info) {
   fmt::print("bounds         west {} south {} east {} north {}\n", number(b, "west"), number(b, "south"),
              number(b, "east"), number(b, "north"));
   if (!info["levels"].empty()) {
-    fmt::print("error bound    every post within {} m\n", number(info, "error_bound_m"));
+    fmt::print("error bound    every post within {} m", number(info, "error_bound_m"));
+    if (info.contains("least_error_bound_m"))
+      fmt::print(", those in fractions of a metre within {} m", number(info, "least_error_bound_m"));
+    fmt::print("\n");
     print_accuracy(info);
     print_levels("heights", info["levels"]);
   }

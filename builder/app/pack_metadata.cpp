@@ -102,6 +102,7 @@ nlohmann::ordered_json describe_pack_file(const PackReader& pack, const nlohmann
   info["vertical_datum"] = header.datum_name();
   info["bounds"] = of("bounds");
   info["error_bound_m"] = of("error_bound_m");
+  if (metadata.contains("least_error_bound_m")) info["least_error_bound_m"] = of("least_error_bound_m");
   info["file_bytes"] = header.file_bytes();
   info["levels"] = levels_json(pack, Layer::heights);
   if (pack.levels(Layer::imagery)) info["imagery"] = imagery_json(pack, metadata);

@@ -64,6 +64,7 @@ bool read_setting(std::string_view key, std::string_view value, SourceOverrides&
   if (key == "body") return is_body(value) && read_text(value, said.body);
   if (key == "latitude") return read_word(value, kLatitudes, said.latitude);
   if (key == "longitude") return read_word(value, kLongitudes, said.longitude);
+  if (key == "sea-clamp") return read_number(value, said.sea_clamp_m);
   if (key == "priority") return read_number(value, said.priority);
   return false;
 }
@@ -104,7 +105,7 @@ void add_source_options(CLI::App& verb, SourceArguments& arguments) {
       ->allow_extra_args(false);
   verb.add_option("--sources", arguments.file,
                   "file with a line for each pattern of DEMs: PATTERN, then any of band=, nodata=, scale=, "
-                  "offset=, unit=, crs=, body=, latitude=, longitude=, priority=")
+                  "offset=, unit=, crs=, body=, latitude=, longitude=, sea-clamp=, priority=")
       ->check(CLI::ExistingFile);
   verb.add_option("--band", all.band, "band of the DEMs that holds the heights, from 1")
       ->check(CLI::Range(1, 65535));
@@ -118,6 +119,9 @@ void add_source_options(CLI::App& verb, SourceArguments& arguments) {
                   "unit of the heights (m, ft, US survey foot ...), in place of what the DEMs say");
   verb.add_option("--source-crs", all.crs,
                   "CRS of the DEMs as PROJ takes it (EPSG:2056, WKT), in place of what they say");
+  verb.add_option("--sea-clamp", all.sea_clamp_m,
+                  "metres: lower posts become it (0: the noise of a sea; land below the sea, too)")
+      ->check(finite);
   const CLI::Validator body(
       [](const std::string& text) {
         const auto parsed = parse_body(text);
@@ -153,7 +157,7 @@ Result<std::vector<SourceRule>> parse_source_rules(std::string_view text, const 
       if (!read_setting(word.substr(0, equals), value, rule.overrides))
         return usage_error(fmt::format(
             "{}: line {}: expected band=, nodata=, scale=, offset=, unit=, crs=, body=, latitude=, "
-            "longitude= or priority= with a value, found {}",
+            "longitude=, sea-clamp= or priority= with a value, found {}",
             name, number, word));
     }
     if (rule.overrides == SourceOverrides{})
@@ -178,11 +182,15 @@ Result<std::vector<SourceRule>> source_rules(const SourceArguments& arguments) {
   return rules;
 }
 
-std::vector<SourceRule> image_rules(const SourceArguments& arguments) {
+std::vector<SourceRule> image_rules(const SourceArguments& arguments, const std::vector<double>& range) {
   SourceOverrides place;
   place.body = arguments.all.body;
   place.latitude = arguments.all.latitude;
   place.longitude = arguments.all.longitude;
+  if (!range.empty()) {
+    place.black = range[0];
+    place.white = range[1];
+  }
   if (place == SourceOverrides{}) return {};
   return {{"*", place}};
 }

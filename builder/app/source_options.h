@@ -25,8 +25,9 @@ void add_source_options(CLI::App& verb, SourceArguments& arguments);
 /// The rule for all sources, then those of the file in its order.
 Result<std::vector<SourceRule>> source_rules(const SourceArguments& arguments);
 
-/// What the command line says of images: where all sources lie, DEMs and images.
-std::vector<SourceRule> image_rules(const SourceArguments& arguments);
+/// What the command line says of images: where all sources lie, DEMs and images, and which samples are black
+/// and white. `range`: these two, or empty.
+std::vector<SourceRule> image_rules(const SourceArguments& arguments, const std::vector<double>& range);
 
 /// Parses the lines of such a file: a glob pattern and any of band=, nodata=, scale=, offset=, unit=, crs=,
 /// body=, latitude=, longitude=, priority=, apart by blanks; a value with blanks stands in "quotes"; # begins

@@ -54,12 +54,10 @@ Result<std::vector<Finding>> verify_against(const PackReader& pack, const std::v
 
   std::vector<Finding> findings;
   const Json& accuracy = metadata->at("accuracy");
-  const double error_bound_m = metadata->at("error_bound_m").get<double>();
-  if (measured->max() > error_bound_m) {
+  if (const auto& excess = measured->excess()) {
     findings.push_back(
-        {"accuracy",
-         fmt::format("expected every post within {} m, found {} m at lon {} lat {}", error_bound_m,
-                     measured->max(), measured->worst().lon, measured->worst().lat)});
+        {"accuracy", fmt::format("expected every post within {} m, found {} m at lon {} lat {}",
+                                 excess->bound_m, excess->error_m, excess->place.lon, excess->place.lat)});
   }
   const auto compare = [&](const char* key, double value) {
     const double stated = accuracy.value(key, std::nan(""));

@@ -28,10 +28,20 @@ void ErrorStats::add(const ErrorStats& other) {
     max_ = other.max_;
     worst_ = other.worst_;
   }
+  if (other.excess_) note_excess(*other.excess_);
+}
+
+void ErrorStats::hold_against(double bound_m) {
+  if (max_ > bound_m) note_excess({bound_m, max_, worst_});
+}
+
+void ErrorStats::note_excess(const Excess& found) {
+  if (!excess_ || found.error_m - found.bound_m > excess_->error_m - excess_->bound_m) excess_ = found;
 }
 
 double ErrorStats::rms() const {
-  return count_ == 0 ? 0 : std::sqrt(sum_of_squares_ / static_cast<double>(count_));
+  // Rounding in the sum would lift it above the largest where all errors are one.
+  return count_ == 0 ? 0 : std::min(std::sqrt(sum_of_squares_ / static_cast<double>(count_)), max_);
 }
 
 double ErrorStats::percentile(double share) const {
@@ -62,6 +72,12 @@ void ErrorStats::append_to(std::vector<std::byte>& out) const {
     writer.write(bins_[b]);
   }
   writer.write(std::uint32_t{kBins});  // the end of the bins
+  writer.write(std::uint8_t{excess_.has_value()});
+  if (!excess_) return;
+  writer.write(excess_->bound_m);
+  writer.write(excess_->error_m);
+  writer.write(excess_->place.lon);
+  writer.write(excess_->place.lat);
 }
 
 ErrorStats ErrorStats::read_from(ByteReader& in) {
@@ -74,6 +90,13 @@ ErrorStats ErrorStats::read_from(ByteReader& in) {
   for (auto b = in.read<std::uint32_t>(); in.ok() && b < kBins; b = in.read<std::uint32_t>()) {
     stats.bins_[b] = in.read<std::uint64_t>();
   }
+  if (in.read<std::uint8_t>() == 0) return stats;
+  Excess excess;
+  excess.bound_m = in.read<double>();
+  excess.error_m = in.read<double>();
+  excess.place.lon = in.read<double>();
+  excess.place.lat = in.read<double>();
+  stats.excess_ = excess;
   return stats;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "cairn/geo.h"
@@ -30,7 +31,7 @@ class ErrorStats {
       worst_ = where();
     }
   }
-  void add(const ErrorStats& other);
+  void add(const ErrorStats& other);  ///< its excess() counts, too
   /// Posts without an error.
   void add_exact(std::uint64_t posts) {
     count_ += posts;
@@ -41,6 +42,17 @@ class ErrorStats {
   double max() const { return max_; }
   double rms() const;
   LonLat worst() const { return worst_; }  ///< of the first post with the largest error; 0, 0 where all are 0
+
+  /// A post that is farther off than its error bound.
+  struct Excess {
+    double bound_m = 0;
+    double error_m = 0;
+    LonLat place;
+  };
+  /// Holds the largest error counted so far against the error bound of these posts.
+  void hold_against(double bound_m);
+  /// Of the posts that were held against their bounds, the one that exceeds its own by most metres.
+  const std::optional<Excess>& excess() const { return excess_; }
 
   /// An error that at least this share of the posts does not exceed, rounded up by less than 1 %.
   double percentile(double share) const;
@@ -56,11 +68,13 @@ class ErrorStats {
   static constexpr int kExponents = 35;
   static constexpr int kBins = kExponents << kMantissaBits;
   static std::uint32_t bin_of(double error);
+  void note_excess(const Excess& found);
 
   std::uint64_t count_ = 0;
   double sum_of_squares_ = 0;
   double max_ = 0;
   LonLat worst_;
+  std::optional<Excess> excess_;
   std::array<std::uint64_t, kBins> bins_{};
 };
 

@@ -20,9 +20,9 @@ namespace {
 // there and against its samples.
 class LeafErrors {
  public:
-  // REQUIRES: tile and posts outlive this.
+  // `bounds_m`: by group of posts. REQUIRES: tile, posts and bounds outlive this.
   LeafErrors(const HeightTile& tile, double quantum_m, std::span<const MeasuredPosts> posts,
-             const PostCounting& counting);
+             std::span<const double> bounds_m, const PostCounting& counting);
 
   // Of the leaf itself, against the posts.
   const SurfaceError& own() const { return own_; }
@@ -32,8 +32,8 @@ class LeafErrors {
   // of a coarser tile is its distance from the finest, between the posts too.
   double max_m(int up) const;
 
-  // Whether that surface keeps an error bound to the posts; `max_m` is max_m(up).
-  bool keeps(int up, double error_bound_m, double max_m) const;
+  // Whether that surface keeps the least error bound of the posts; `max_m` is max_m(up).
+  bool keeps(int up, double max_m) const;
 
   // Every counted post's error there; `max_m` is max_m(up).
   ErrorStats stats(int up, double max_m) const;
@@ -45,6 +45,8 @@ class LeafErrors {
   const HeightTile& tile_;
   double quantum_m_;
   std::span<const MeasuredPosts> posts_;
+  std::span<const double> bounds_m_;
+  double least_bound_m_ = HUGE_VAL;  // of groups that have a post here
   PostCounting counting_;
   SurfaceError own_;
   ErrorStats own_stats_;
@@ -56,11 +58,29 @@ SurfaceError worse_of(const SurfaceError& a, const SurfaceError& b) {
   return {std::max(a.max_m, b.max_m), a.has_holes || b.has_holes};
 }
 
+// Adds what measure() counts of one group of posts, held against the group's bound.
+template <class Measure>
+void add_held(double bound_m, ErrorStats& stats, const Measure& measure) {
+  ErrorStats of_group;
+  measure(of_group);
+  of_group.hold_against(bound_m);
+  stats.add(of_group);
+}
+
+bool has_post(const MeasuredPosts& posts) {
+  return !posts.placed.empty() || std::any_of(posts.heights.begin(), posts.heights.end(),
+                                              [](float height) { return !std::isnan(height); });
+}
+
 LeafErrors::LeafErrors(const HeightTile& tile, double quantum_m, std::span<const MeasuredPosts> posts,
-                       const PostCounting& counting)
-    : tile_(tile), quantum_m_(quantum_m), posts_(posts), counting_(counting) {
-  for (const auto& p : posts_)
-    own_ = worse_of(own_, measure_own_surface(tile_, quantum_m_, p, counting_, own_stats_, own_errors_));
+                       std::span<const double> bounds_m, const PostCounting& counting)
+    : tile_(tile), quantum_m_(quantum_m), posts_(posts), bounds_m_(bounds_m), counting_(counting) {
+  for (std::size_t g = 0; g < posts_.size(); ++g) {
+    add_held(bounds_m_[g], own_stats_, [&](ErrorStats& stats) {
+      own_ = worse_of(own_, measure_own_surface(tile_, quantum_m_, posts_[g], counting_, stats, own_errors_));
+    });
+    if (bounds_m_[g] < least_bound_m_ && has_post(posts_[g])) least_bound_m_ = bounds_m_[g];
+  }
   if (AncestorErrors::can_measure(tile_)) ancestors_.emplace(tile_, quantum_m_, posts_, own_errors_);
 }
 
@@ -69,16 +89,20 @@ double LeafErrors::max_m(int up) const {
   return std::max(of_posts(up).max_m, measure_surface(tile_, quantum_m_, up, samples_as_posts()).max_m);
 }
 
-bool LeafErrors::keeps(int up, double error_bound_m, double max_m) const {
-  if (ancestors_) return max_m <= error_bound_m || !ancestors_->any_post_beyond(up, error_bound_m);
+bool LeafErrors::keeps(int up, double max_m) const {
+  if (ancestors_) return max_m <= least_bound_m_ || !ancestors_->any_post_beyond(up, least_bound_m_);
   const SurfaceError error = of_posts(up);
-  return error.max_m <= error_bound_m && !error.has_holes;
+  return error.max_m <= least_bound_m_ && !error.has_holes;
 }
 
 ErrorStats LeafErrors::stats(int up, double max_m) const {
   if (max_m == 0 && own_.max_m == 0 && !own_.has_holes) return own_stats_;
   ErrorStats stats;
-  for (const auto& p : posts_) measure_surface(tile_, quantum_m_, up, p, counting_, stats);
+  for (std::size_t g = 0; g < posts_.size(); ++g) {
+    add_held(bounds_m_[g], stats, [&](ErrorStats& of_group) {
+      measure_surface(tile_, quantum_m_, up, posts_[g], counting_, of_group);
+    });
+  }
   return stats;
 }
 
@@ -105,14 +129,16 @@ MeasuredPosts LeafErrors::samples_as_posts() const {
 // bound, too, or while its level is finer than any that is stored.
 void measure_levels(const HeightPlan& plan, const MosaicTile& sampled, HeightNode& node) {
   const PostCounting counting = plan.counting(node.id);
-  const LeafErrors errors(node.tile, plan.quantum_m(), sampled.posts, counting);
+  std::vector<double> bounds_m;
+  for (const std::size_t g : sampled.groups) bounds_m.push_back(plan.error_bound_m(g));
+  const LeafErrors errors(node.tile, plan.quantum_m(), sampled.posts, bounds_m, counting);
   node.candidate_stats.push_back(errors.own_stats());
   node.errors_m.push_back(errors.own().max_m);
   bool may_prune = true;
   for (int up = 1; node.id.level - up >= plan.top() && (plan.tile_size() - 1) % (1 << up) == 0; ++up) {
     const double max_m = errors.max_m(up);
     const bool too_fine = node.id.level - up >= plan.finest();
-    may_prune = may_prune && (too_fine || errors.keeps(up, plan.error_bound_m(), max_m));
+    may_prune = may_prune && (too_fine || errors.keeps(up, max_m));
     if (may_prune) node.candidate_stats.push_back(errors.stats(up, max_m));
     node.errors_m.push_back(std::max(max_m, node.errors_m.back()));
   }
@@ -188,7 +214,10 @@ Result<SampledLeaf> sample_leaf(const Mosaic& mosaic, const HeightPlan& plan, co
                                 VoidMode voids) {
   auto sampled = mosaic.sample(id);
   if (!sampled) return sampled.error();
-  QuantizedTile quantized = quantize_tile(*sampled, plan.tile_size(), plan.quantum_m(), voids);
+  std::vector<std::uint8_t> single;
+  if (plan.whole_metre_step() > 1) single = mosaic.near_fractions(id);
+  const HeightSteps steps{plan.quantum_m(), plan.whole_metre_step(), single};
+  QuantizedTile quantized = quantize_tile(*sampled, plan.tile_size(), steps, voids);
   SampledLeaf leaf;
   leaf.node.id = id;
   leaf.node.tile = std::move(quantized.tile);

@@ -1,6 +1,7 @@
 #include "builder/heights/height_plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace cairn {
@@ -72,28 +73,56 @@ Status HeightPlan::choose_levels(const MosaicOptions& asked, const GridOptions& 
   return {};
 }
 
+void HeightPlan::find_error_bounds() {
+  error_bound_m_ = least_error_bound_m_ = mosaic_->error_bound_m(0);
+  for (std::size_t g = 1; g < mosaic_->groups().size(); ++g) {
+    error_bound_m_ = std::max(error_bound_m_, mosaic_->error_bound_m(g));
+    least_error_bound_m_ = std::min(least_error_bound_m_, mosaic_->error_bound_m(g));
+  }
+}
+
 // Where heights are stored as the sources have them, their own step keeps any error bound. Elsewhere rounding
 // and smooth resampling share E. Steps of whole-metre sources are as coarse as leaves slopes, over the
 // distance of two posts, less noise than the posts' own have (docs/resampling.md): where samples are much
 // denser than posts, such a slope takes in more of them. Posts that are met exactly have steps of a quarter
 // metre.
-double HeightPlan::default_quantum(ResampleMethod resampling) const {
+double HeightPlan::step_of_whole_metres(ResampleMethod resampling) const {
   constexpr double dense = 1.5;  // samples for each post
-  const bool whole = mosaic_->whole_metres();
-  if (whole && mosaic_->posts_are_samples()) return 1;
-  if (!whole) return std::min(0.02, error_bound_m_ / 2);
-  if (resampling != ResampleMethod::smooth) return std::min(0.25, error_bound_m_ / 2);
-  return std::min(0.5, error_bound_m_) * (mosaic_->samples_per_post() >= dense ? 1.2 : 1);
+  if (mosaic_->posts_are_samples()) return 1;
+  double samples_per_post = HUGE_VAL, bound = HUGE_VAL;
+  for (std::size_t g = 0; g < mosaic_->groups().size(); ++g) {
+    if (!mosaic_->whole_metres(g)) continue;
+    samples_per_post = std::min(samples_per_post, mosaic_->groups()[g]->samples_per_post());
+    bound = mosaic_->error_bound_m(g);
+  }
+  if (resampling != ResampleMethod::smooth) return std::min(0.25, bound / 2);
+  return std::min(0.5, bound) * (samples_per_post >= dense ? 1.2 : 1);
 }
 
+// Where posts of whole metres lie beside others, all heights are in quanta that suit the finest, and those
+// that whole metres alone decide are multiples of a step that suits these: the codec takes out a tile's step.
 void HeightPlan::choose_quantum(const MosaicOptions& asked, const HeightOptions& heights) {
-  error_bound_m_ = asked.max_error_m.value_or(mosaic_->whole_metres() ? 0.5 : 0.05);
-  quantum_m_ = heights.quantum_m.value_or(default_quantum(asked.resampling));
+  bool any_whole = false, all_whole = true;
+  for (std::size_t g = 0; g < mosaic_->groups().size(); ++g) {
+    any_whole = any_whole || mosaic_->whole_metres(g);
+    all_whole = all_whole && mosaic_->whole_metres(g);
+  }
+  const double step = any_whole ? step_of_whole_metres(asked.resampling) : 0;
+  quantum_m_ = heights.quantum_m.value_or(all_whole ? step : std::min(0.02, least_error_bound_m_ / 2));
+  if (heights.quantum_m || all_whole || !any_whole) return;
+  constexpr double rounding = 1e-9;
+  whole_metre_step_ = std::max(1, static_cast<int>(std::floor(step / quantum_m_ + rounding)));
 }
 
-SmoothTolerance HeightPlan::tolerance() const {
+SmoothTolerance HeightPlan::tolerance(std::size_t group) const {
   constexpr double float_rounding = 0.001;  // of samples at heights up to 16 km
-  return {std::max(0.0, error_bound_m_ - quantum_m_ / 2 - float_rounding), error_bound_m_ / 2};
+  const double bound = error_bound_m(group);
+  const double step = quantum_m_ * (mosaic_->whole_metres(group) ? whole_metre_step_ : 1);
+  return {std::max(0.0, bound - step / 2 - float_rounding), bound / 2};
+}
+
+void HeightPlan::set_tolerances(Mosaic& mosaic) const {
+  for (std::size_t g = 0; g < mosaic.groups().size(); ++g) mosaic.set_tolerance(g, tolerance(g));
 }
 
 Result<HeightPlan> HeightPlan::make(const Mosaic& mosaic, const MosaicOptions& asked,
@@ -101,6 +130,7 @@ Result<HeightPlan> HeightPlan::make(const Mosaic& mosaic, const MosaicOptions& a
   HeightPlan plan(mosaic);
   plan.tile_size_ = grid.tile_size;
   if (auto status = plan.choose_levels(asked, grid); !status) return status.error();
+  plan.find_error_bounds();
   plan.choose_quantum(asked, heights);
   if (plan.tree_.units().empty())
     return usage_error("region: expected an area that the sources cover, found none");

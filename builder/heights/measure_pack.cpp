@@ -66,8 +66,12 @@ Result<ErrorStats> measure_leaf(const Mosaic& mosaic, const HeightPlan& plan, co
   if (!surface) return surface.error();
   ErrorStats stats;
   const PostCounting counting = counting_on(plan.counting(id), *surface);
-  for (const MeasuredPosts& posts : sampled->posts) {
-    measure_surface(surface->tile, pack.header().quantum_m, 0, moved(posts, *surface), counting, stats);
+  for (std::size_t g = 0; g < sampled->posts.size(); ++g) {
+    ErrorStats of_group;
+    measure_surface(surface->tile, pack.header().quantum_m, 0, moved(sampled->posts[g], *surface), counting,
+                    of_group);
+    of_group.hold_against(plan.error_bound_m(sampled->groups[g]));
+    stats.add(of_group);
   }
   return stats;
 }
@@ -84,7 +88,7 @@ Result<ErrorStats> measure_pack(const PackReader& pack, const MosaicOptions& ask
       cache_within(session.memory_bytes, {session.threads, grid.tile_size, false, projected, false}));
   const auto plan = HeightPlan::make(**mosaic, asked, heights, grid);
   if (!plan) return plan.error();
-  (*mosaic)->set_tolerance(plan->tolerance());
+  plan->set_tolerances(**mosaic);
   std::vector<TileId> leaves;
   for (const TileId& unit : plan->tree().units()) {
     for (const TileId& leaf : plan->tree().leaves(unit)) leaves.push_back(leaf);

@@ -37,6 +37,15 @@ void quantise(const std::vector<float>& heights, double quantum_m, std::int32_t*
   divide(heights.data(), heights.size(), quantum_m, quanta);
 }
 
+void round_to_steps(const std::vector<float>& heights, const HeightSteps& steps,
+                    std::vector<std::int32_t>& quanta) {
+  quantise(heights, steps.quantum_m * steps.multiple, quanta.data());
+  if (steps.multiple == 1) return;
+  for (std::int32_t& q : quanta) q *= steps.multiple;
+  for (std::size_t i = 0; i < steps.single.size(); ++i)
+    if (steps.single[i] != 0) quanta[i] = to_nearest(number_of(heights[i]) / steps.quantum_m);
+}
+
 bool is_void(SampleState state, VoidMode voids) {
   return state == SampleState::none || (state == SampleState::filled && voids == VoidMode::keep);
 }
@@ -57,11 +66,12 @@ void mark_voids(const MosaicTile& mosaic, VoidMode voids, QuantizedTile& cut) {
 
 }  // namespace
 
-QuantizedTile quantize_tile(const MosaicTile& mosaic, int tile_size, double quantum_m, VoidMode voids) {
+QuantizedTile quantize_tile(const MosaicTile& mosaic, int tile_size, const HeightSteps& steps,
+                            VoidMode voids) {
   QuantizedTile cut;
   cut.tile.size = tile_size;
   cut.tile.samples.resize(mosaic.heights.size());
-  quantise(mosaic.heights, quantum_m, cut.tile.samples.data());
+  round_to_steps(mosaic.heights, steps, cut.tile.samples);
   if (!mosaic.states.empty()) mark_voids(mosaic, voids, cut);
   if (!cut.tile.voids.empty()) fill_void_samples(cut.tile);
   return cut;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "builder/mosaic/mosaic.h"
 #include "cairn/height_options.h"
 #include "cairn/height_tile.h"
@@ -12,7 +15,16 @@ struct QuantizedTile {
   double filled = 0;  ///< share of the samples that no source gave: filled or void
 };
 
+/// To what heights are rounded.
+struct HeightSteps {
+  double quantum_m = 0;
+  int multiple = 1;  ///< in quanta, of samples that are not `single`
+  /// By sample: 1 where it is rounded to one quantum. Empty: no sample is.
+  std::span<const std::uint8_t> single = {};
+};
+
 /// With VoidMode::keep filled samples are void, too.
-QuantizedTile quantize_tile(const MosaicTile& mosaic, int tile_size, double quantum_m, VoidMode voids);
+QuantizedTile quantize_tile(const MosaicTile& mosaic, int tile_size, const HeightSteps& steps,
+                            VoidMode voids);
 
 }  // namespace cairn

@@ -8,6 +8,7 @@
 
 #include "builder/mosaic/fade_weight.h"
 #include "builder/mosaic/fill_in_posts.h"
+#include "builder/mosaic/void_end.h"
 #include "builder/voids/void_distance.h"
 #include "format/simd_clones.h"
 
@@ -193,10 +194,11 @@ std::vector<SampleState> LatticeGroup::states_of(const SampleWindow& window, con
   return states;
 }
 
-// The fade of a void's fill from its rim inwards, as that of the group beyond its footprint. Distances
-// between posts are interpolated at samples, so the weight is as smooth as they are.
-Result<std::vector<float>> LatticeGroup::fill_weights(const SampleWindow& window) const {
-  const auto reach = static_cast<std::int64_t>(std::ceil(solid_posts_ + fade_posts_)) + 1;
+// By sample how many posts it lies from one with a value, up to where a void's fill ends. Distances between
+// posts are interpolated at samples, so that what depends on them is as smooth as they are.
+Result<std::vector<double>> LatticeGroup::void_depths(const SampleWindow& window) const {
+  const double farthest = std::max(solid_posts_ + fade_posts_, void_posts_.value_or(0));
+  const auto reach = static_cast<std::int64_t>(std::ceil(farthest)) + 1;
   const IndexRange columns{lon_positions_.first_post_from(window.column) - 1,
                            lon_positions_.first_post_from(window.column + window.columns - 1)};
   const IndexRange rows{lat_positions_.first_post_from(window.row) - 1,
@@ -213,15 +215,11 @@ Result<std::vector<float>> LatticeGroup::fill_weights(const SampleWindow& window
     return all;
   };
   const auto xs = places(lon_positions_, window.column, window.columns, block->i0);
-  std::vector<float> weights;
-  weights.reserve(window.count());
-  for (const double y : places(lat_positions_, window.row, window.rows, block->j0)) {
-    for (const double x : xs) {
-      const double distance = distance_at(*block, distances, x, y);
-      weights.push_back(static_cast<float>(fade_weight(distance - solid_posts_, fade_posts_)));
-    }
-  }
-  return weights;
+  std::vector<double> depths;
+  depths.reserve(window.count());
+  for (const double y : places(lat_positions_, window.row, window.rows, block->j0))
+    for (const double x : xs) depths.push_back(distance_at(*block, distances, x, y));
+  return depths;
 }
 
 MeasuredPosts LatticeGroup::posts_of(const SampleWindow& window, PostBlock&& block) const {
@@ -275,13 +273,12 @@ Result<GroupSamples> LatticeGroup::sample(const SampleWindow& window) const {
   }
   samples.posts = posts_of(window, PostBlock(*block));
   samples.states = states_of(window, *block);
-  if (fade_posts_ > 0 && any_filled(samples.states)) {
-    auto weights = fill_weights(window);
-    if (!weights) return weights.error();
-    samples.fill_weights = std::move(*weights);
-  }
   if (auto status = fill_.complete(*block); !status) return status.error();
   resample(wanted, block->heights, to, samples.heights);
+  if ((fade_posts_ == 0 && !void_posts_) || !any_filled(samples.states)) return samples;
+  const auto depths = void_depths(window);
+  if (!depths) return depths.error();
+  end_voids(*depths, {solid_posts_, fade_posts_, void_posts_}, samples);
   return samples;
 }
 

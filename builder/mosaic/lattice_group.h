@@ -46,7 +46,7 @@ class LatticeGroup final : public SourceGroup {
                 std::span<float> out) const;
   Status read_member(std::size_t member, std::int64_t turn, PostBlock& block) const;
   std::vector<SampleState> states_of(const SampleWindow& window, const PostBlock& block) const;
-  Result<std::vector<float>> fill_weights(const SampleWindow& window) const;
+  Result<std::vector<double>> void_depths(const SampleWindow& window) const;
   MeasuredPosts posts_of(const SampleWindow& window, PostBlock&& block) const;
 
   RasterPool& pool_;

@@ -24,10 +24,6 @@ GeoBounds bounds_of(const SampleWindow& w) {
 // the error bound.
 constexpr double kTolerance = 0.1, kAllowance = 0.5;
 
-double default_error_bound(bool whole_metres) {
-  return whole_metres ? 0.5 : 0.05;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<Mosaic>> Mosaic::open(const MosaicOptions& options, int tile_size) {
@@ -58,9 +54,13 @@ Result<std::unique_ptr<Mosaic>> Mosaic::over(std::unique_ptr<RasterPool> pool, c
                               mosaic->blocks_);
   if (!groups) return groups.error();
   mosaic->groups_ = std::move(*groups);
-  for (std::size_t s = 0; s < mosaic->pool_->size(); ++s) {
-    mosaic->whole_metres_ = mosaic->whole_metres_ && mosaic->pool_->info(s).whole_metres;
+  for (const auto& group : mosaic->groups_) {
+    if (options.void_posts) group->set_void_distance(*options.void_posts);
+    mosaic->whole_metres_.push_back(
+        std::all_of(group->sources().begin(), group->sources().end(),
+                    [&](std::size_t s) { return mosaic->pool_->info(s).whole_metres; }));
   }
+  mosaic->asked_error_bound_m_ = options.max_error_m;
   mosaic->overlay_groups(options);
   return mosaic;
 }
@@ -109,7 +109,8 @@ void Mosaic::overlay_groups(const MosaicOptions& options) {
     groups_[g]->set_reach(groups_[g]->spacing_degrees(),
                           lies_upon_any ? std::max(layer.fade_degrees, kStep) : 0);
   }
-  const double bound = options.max_error_m.value_or(default_error_bound(whole_metres_));
+  double bound = error_bound_m(0);
+  for (std::size_t g = 1; g < groups_.size(); ++g) bound = std::min(bound, error_bound_m(g));
   overlay_.emplace(std::move(layers), kTolerance * bound, kAllowance * bound);
 }
 
@@ -133,14 +134,12 @@ bool Mosaic::is_global() const {
   });
 }
 
-double Mosaic::samples_per_post() const {
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& group : groups_) least = std::min(least, group->samples_per_post());
-  return least;
+double Mosaic::error_bound_m(std::size_t group) const {
+  return asked_error_bound_m_.value_or(whole_metres_[group] ? 0.5 : 0.05);
 }
 
-void Mosaic::set_tolerance(const SmoothTolerance& tolerance) {
-  for (const auto& group : groups_) group->set_tolerance(tolerance);
+void Mosaic::set_tolerance(std::size_t group, const SmoothTolerance& tolerance) {
+  groups_[group]->set_tolerance(tolerance);
 }
 
 bool Mosaic::posts_are_samples() const {
@@ -218,6 +217,30 @@ Result<MosaicTile> Mosaic::sample(const TileId& id) const {
     }
   }
   return tile;
+}
+
+// At a pole all samples of the row are one place.
+std::vector<std::uint8_t> Mosaic::near_fractions(const TileId& id) const {
+  const SampleWindow window = window_of(id, tile_size_);
+  const GeoBounds bounds = bounds_of(window);
+  std::vector<std::uint8_t> near;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (whole_metres_[g]) continue;
+    const double reach = overlay_->layers()[g].reach();
+    const Footprint around = groups_[g]->footprint().near(bounds, reach + kTouch);
+    if (around.rectangles().empty()) continue;
+    near.resize(window.count());
+    std::size_t at = 0;
+    for (int r = 0; r < window.rows; ++r) {
+      const bool at_pole = std::abs(window.lat_of(r)) >= 90;
+      for (int c = 0; c < window.columns; ++c, ++at) {
+        if (near[at] != 0) continue;
+        const bool reached = around.distance_to({window.lon_of(c), window.lat_of(r)}) <= reach;
+        near[at] = at_pole || reached ? 1 : 0;
+      }
+    }
+  }
+  return near;
 }
 
 }  // namespace cairn

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -32,8 +34,8 @@ class Mosaic {
  public:
   static Result<std::unique_ptr<Mosaic>> open(const MosaicOptions& options, int tile_size);
 
-  /// open() of sources that were looked at before: `options.inputs` do not count. Where no post is going to be
-  /// read, the geoid need not be opened.
+  /// open() of sources that were looked at before: `options.inputs` do not count. Where no post is going to
+  /// be read, the geoid need not be opened.
   static Result<std::unique_ptr<Mosaic>> over(std::unique_ptr<RasterPool> pool, const MosaicOptions& options,
                                               int tile_size, bool open_geoid);
 
@@ -54,13 +56,15 @@ class Mosaic {
   int finest_level() const;
   GeoBounds bounds() const;
   bool is_global() const;
-  bool whole_metres() const { return whole_metres_; }
+  /// Whether all posts of the group are whole metres.
+  bool whole_metres(std::size_t group) const { return whole_metres_[group]; }
+  /// The error bound of the group's posts: the one asked for, else 0.5 m for whole metres and 0.05 m for
+  /// others.
+  double error_bound_m(std::size_t group) const;
   /// What heights are measured from.
   const MosaicDatum& datum() const { return datum_; }
-  /// Samples for each post along an axis, the least of any source.
-  double samples_per_post() const;
-  /// How smooth resampling keeps the posts. Before any sample() only.
-  void set_tolerance(const SmoothTolerance& tolerance);
+  /// How smooth resampling keeps a group's posts. Before any sample() only.
+  void set_tolerance(std::size_t group, const SmoothTolerance& tolerance);
   /// Whether heights can be stored as the sources have them: every post lies on a sample, and none is
   /// converted.
   bool posts_are_samples() const;
@@ -79,6 +83,10 @@ class Mosaic {
   /// threads.
   Result<MosaicTile> sample(const TileId& id) const;
 
+  /// By sample of the tile, as sample() orders them: 1 where a group reaches whose posts are no whole metres.
+  /// A function of the sample's place alone. Empty where none reaches the tile.
+  std::vector<std::uint8_t> near_fractions(const TileId& id) const;
+
  private:
   Mosaic() = default;
   void overlay_groups(const MosaicOptions& options);
@@ -92,7 +100,8 @@ class Mosaic {
   std::shared_ptr<ChunkCache> blocks_ = std::make_shared<ChunkCache>(0);  // of projected groups
   std::vector<std::unique_ptr<SourceGroup>> groups_;                      // highest priority first
   std::optional<GroupOverlay> overlay_;                                   // a layer for each of them
-  bool whole_metres_ = true;
+  std::vector<bool> whole_metres_;                                        // by group
+  std::optional<double> asked_error_bound_m_;
   MosaicDatum datum_;
 };
 

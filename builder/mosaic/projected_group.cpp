@@ -10,6 +10,7 @@
 
 #include "builder/mosaic/fade_weight.h"
 #include "builder/mosaic/fill_in_posts.h"
+#include "builder/mosaic/void_end.h"
 #include "builder/raster/raster_placement.h"
 #include "builder/voids/void_distance.h"
 
@@ -323,13 +324,14 @@ void ProjectedGroup::set_reach(double solid_degrees, double fade_degrees) {
   fade_posts_ = std::min(fade_degrees / spacing_degrees_, kMostFadePosts);
 }
 
-// The fade of a void's fill from its rim inwards, for the window's samples that lie in a block.
-Status ProjectedGroup::add_fill_weights(const SampleWindow& block, const SampleWindow& window,
-                                        GroupSamples& samples) const {
-  samples.fill_weights.resize(window.count(), 0.0F);
+// Puts in how many posts the window's samples that lie in a block are from one with a value, up to where a
+// void's fill ends.
+Status ProjectedGroup::add_void_depths(const SampleWindow& block, const SampleWindow& window,
+                                       std::vector<double>& depths) const {
   const SamplePositions positions = resampler_.positions_of(grown(block, 0));
   if (positions.posts.count() <= 0) return {};
-  const auto reach = static_cast<std::int64_t>(std::ceil(solid_posts_ + fade_posts_)) + 1;
+  const double farthest = std::max(solid_posts_ + fade_posts_, void_posts_.value_or(0));
+  const auto reach = static_cast<std::int64_t>(std::ceil(farthest)) + 1;
   const auto posts = read_posts({positions.posts.x.first - reach, positions.posts.x.last + reach},
                                 {positions.posts.y.first - reach, positions.posts.y.last + reach});
   if (!posts) return posts.error();
@@ -340,10 +342,8 @@ Status ProjectedGroup::add_fill_weights(const SampleWindow& block, const SampleW
     for (std::int64_t c = std::max(block.column, window.column); c < east; ++c) {
       const PlanePoint& at = positions.at[positions.samples.offset(c, r)];
       if (std::isnan(at.x)) continue;
-      const double distance = distance_at(*posts, distances, at.x - static_cast<double>(posts->i0),
-                                          at.y - static_cast<double>(posts->j0));
-      samples.fill_weights[static_cast<std::size_t>((r - window.row) * window.columns + c - window.column)] =
-          static_cast<float>(fade_weight(distance - solid_posts_, fade_posts_));
+      depths[static_cast<std::size_t>((r - window.row) * window.columns + c - window.column)] = distance_at(
+          *posts, distances, at.x - static_cast<double>(posts->i0), at.y - static_cast<double>(posts->j0));
     }
   }
   return {};
@@ -354,6 +354,7 @@ Result<GroupSamples> ProjectedGroup::sample(const SampleWindow& window) const {
   GroupSamples samples;
   samples.heights.assign(window.count(), kNoHeight);
   samples.states.assign(window.count(), SampleState::none);
+  std::vector<double> depths;  // empty while no sample is filled
   const std::int64_t east = window.column + window.columns;
   const std::int64_t north = window.row + window.rows;
   for (std::int64_t by = floor_divide(window.row, block_side_); by * block_side_ < north; ++by) {
@@ -362,11 +363,13 @@ Result<GroupSamples> ProjectedGroup::sample(const SampleWindow& window) const {
       if (!block) return block.error();
       if (block->is_empty()) continue;
       take_block(window_of_block(bx, by), *block, window, samples);
-      if (fade_posts_ == 0 || !has_filled(block->states(), block->count)) continue;
-      if (auto status = add_fill_weights(window_of_block(bx, by), window, samples); !status)
+      if ((fade_posts_ == 0 && !void_posts_) || !has_filled(block->states(), block->count)) continue;
+      depths.resize(window.count(), HUGE_VAL);
+      if (auto status = add_void_depths(window_of_block(bx, by), window, depths); !status)
         return status.error();
     }
   }
+  if (!depths.empty()) end_voids(depths, {solid_posts_, fade_posts_, void_posts_}, samples);
   if (auto status = add_posts(window, samples.posts); !status) return status.error();
   return samples;
 }

@@ -77,7 +77,8 @@ class ProjectedGroup final : public SourceGroup {
                             std::span<const std::uint8_t> met) const;
   void take_block(const SampleWindow& from, const Block& block, const SampleWindow& window,
                   GroupSamples& samples) const;
-  Status add_fill_weights(const SampleWindow& block, const SampleWindow& window, GroupSamples& samples) const;
+  Status add_void_depths(const SampleWindow& block, const SampleWindow& window,
+                         std::vector<double>& depths) const;
   LonLat nearest_to(LonLat place, const std::vector<IndexWindow>& extents) const;
   Status add_posts(const SampleWindow& window, MeasuredPosts& posts) const;
 

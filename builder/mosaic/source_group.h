@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "builder/mosaic/sample_window.h"
@@ -67,6 +68,9 @@ class SourceGroup {
   /// How the group ends inside its voids, in degrees: so far from their rims it counts alone, and so much
   /// farther it fades into what lies beneath (0 where nothing does). Before any sample() only.
   virtual void set_reach(double solid_degrees, double fade_degrees) = 0;
+  /// How far from posts with a value voids are filled, in posts, 256 at most; farther in, samples have no
+  /// source. By default they are filled whatever their distance. Before any sample() only.
+  void set_void_distance(double posts) { void_posts_ = posts; }
   /// How smooth resampling keeps the posts. Before any sample() only.
   void set_tolerance(const SmoothTolerance& tolerance) { tolerance_ = tolerance; }
 
@@ -90,6 +94,7 @@ class SourceGroup {
   Footprint footprint_;
   std::vector<std::size_t> sources_;
   SmoothTolerance tolerance_;
+  std::optional<double> void_posts_;
 };
 
 }  // namespace cairn

@@ -92,7 +92,7 @@ Status lay_out(const BuildOptions& options, int threads, BakePlan& layers) {
     auto plan = HeightPlan::make(*layers.heights, options.mosaic, options.heights, options.grid);
     if (!plan) return plan.error();
     layers.plan = std::move(*plan);
-    layers.heights->set_tolerance(layers.plan->tolerance());
+    layers.plan->set_tolerances(*layers.heights);
   }
   if (layers.imagery) {
     layers.imagery_tree = imagery_tree(layers, options.grid);

@@ -97,12 +97,12 @@ bool is_error_of_bound(const Error& error) {
   return std::string_view(error.message).starts_with(kAccuracy);
 }
 
-Status check_error_bound(const ErrorStats& accuracy, const HeightPlan& plan) {
-  if (accuracy.max() <= plan.error_bound_m()) return {};
-  const LonLat at = accuracy.worst();
-  return failed(std::string(kAccuracy) + "expected every post within " +
-                std::to_string(plan.error_bound_m()) + " m, found " + std::to_string(accuracy.max()) +
-                " m at lon " + std::to_string(at.lon) + " lat " + std::to_string(at.lat));
+Status check_error_bound(const ErrorStats& accuracy) {
+  const auto& excess = accuracy.excess();
+  if (!excess) return {};
+  return failed(std::string(kAccuracy) + "expected every post within " + std::to_string(excess->bound_m) +
+                " m, found " + std::to_string(excess->error_m) + " m at lon " +
+                std::to_string(excess->place.lon) + " lat " + std::to_string(excess->place.lat));
 }
 
 Result<BuildReport> make_pack(const BakePlan& layers, const BuildOptions& options, int threads,
@@ -115,7 +115,7 @@ Result<BuildReport> make_pack(const BakePlan& layers, const BuildOptions& option
   if (!heights) return heights.error();
 
   // 2. Hold the measured accuracy against the error bound.
-  const Status bounded = layers.plan ? check_error_bound(heights->accuracy, *layers.plan) : Status();
+  const Status bounded = check_error_bound(heights->accuracy);
   if (!bounded && !options.heights.allow_error) return bounded.error();
 
   // 3. The same for the tiles of imagery: resample, encode, measure, write.

@@ -45,7 +45,7 @@ Result<BuildReport> make_pack(const BakePlan& layers, const BuildOptions& option
 /// Returns whether an error is that of an error bound that is not kept.
 bool is_error_of_bound(const Error& error);
 
-/// Returns an error where a post is farther off than the error bound says.
-Status check_error_bound(const ErrorStats& accuracy, const HeightPlan& plan);
+/// Returns an error where a post is farther off than its error bound says.
+Status check_error_bound(const ErrorStats& accuracy);
 
 }  // namespace cairn

@@ -185,6 +185,9 @@ Status read_source_rules(const OptionReader& reader, std::vector<SourceRule>& ru
     said.read("body", rule.overrides.body);
     said.read("latitude", rule.overrides.latitude);
     said.read("longitude", rule.overrides.longitude);
+    said.read("sea_clamp_m", rule.overrides.sea_clamp_m);
+    said.read("black", rule.overrides.black);
+    said.read("white", rule.overrides.white);
     said.read("priority", rule.overrides.priority);
     if (!said.status()) return said.status();
   }
@@ -194,7 +197,8 @@ Status read_source_rules(const OptionReader& reader, std::vector<SourceRule>& ru
 }  // namespace
 
 nlohmann::ordered_json to_json(const SourceOverrides& said) {
-  const auto& [band, nodata, scale, offset, unit, crs, body, latitude, longitude, priority] = said;
+  const auto& [band, nodata, scale, offset, unit, crs, body, latitude, longitude, sea_clamp_m, black, white,
+               priority] = said;
   Json json = Json::object();
   write(json, "band", band);
   write(json, "nodata", nodata);
@@ -205,6 +209,9 @@ nlohmann::ordered_json to_json(const SourceOverrides& said) {
   write(json, "body", body);
   write(json, "latitude", latitude);
   write(json, "longitude", longitude);
+  write(json, "sea_clamp_m", sea_clamp_m);
+  write(json, "black", black);
+  write(json, "white", white);
   write(json, "priority", priority);
   return json;
 }
@@ -213,12 +220,14 @@ nlohmann::ordered_json to_json(const SourceOverrides& said) {
 nlohmann::ordered_json to_json(const BuildOptions& options) {
   const auto& [grid, mosaic, heights, imagery, session] = options;
   const auto& [tile_size, top, region] = grid;
-  const auto& [dems, level, max_error_m, resampling, datum, geoid, source_rules, fade_posts] = mosaic;
+  const auto& [dems, level, max_error_m, resampling, datum, geoid, source_rules, fade_posts, void_posts] =
+      mosaic;
   const auto& [quantum_m, allow_error, voids, rqt_tolerance_m] = heights;
   Json json{{"tile_size", tile_size},
             {"resampling", word_for(resampling)},
             {"void", word_for(voids)},
             {"fade", fade_posts}};
+  write(json, "void_distance", void_posts);
   write(json, "datum", datum);
   write_source_rules(json, source_rules);
   write(json, "level", level);
@@ -244,6 +253,7 @@ Result<BuildOptions> from_json(const nlohmann::json& json) {
   reader.read("resampling", options.mosaic.resampling);
   reader.read("datum", options.mosaic.datum);
   reader.read("fade", options.mosaic.fade_posts);
+  reader.read("void_distance", options.mosaic.void_posts);
   if (auto rules = read_source_rules(reader, options.mosaic.source_rules); !rules) return rules.error();
   reader.read("quantum", options.heights.quantum_m);
   reader.read("void", options.heights.voids);

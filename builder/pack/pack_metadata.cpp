@@ -23,13 +23,17 @@ Json json_of(const GeoBounds& b) {
 }
 
 Json json_of(const ErrorStats& s) {
-  return {{"posts", s.count()},
-          {"max_m", s.max()},
-          {"rms_m", s.rms()},
-          {"p50_m", s.percentile(0.50)},
-          {"p95_m", s.percentile(0.95)},
-          {"p99_m", s.percentile(0.99)},
-          {"worst", {{"lon", s.worst().lon}, {"lat", s.worst().lat}}}};
+  Json json{{"posts", s.count()},
+            {"max_m", s.max()},
+            {"rms_m", s.rms()},
+            {"p50_m", s.percentile(0.50)},
+            {"p95_m", s.percentile(0.95)},
+            {"p99_m", s.percentile(0.99)},
+            {"worst", {{"lon", s.worst().lon}, {"lat", s.worst().lat}}}};
+  if (const auto& e = s.excess())
+    json["excess"] = {
+        {"bound_m", e->bound_m}, {"error_m", e->error_m}, {"lon", e->place.lon}, {"lat", e->place.lat}};
+  return json;
 }
 
 Json levels_of(const std::vector<PackLevel>& levels) {
@@ -86,17 +90,27 @@ std::uint64_t count_of(const std::vector<std::uint64_t>& counts, std::size_t sou
   return source < counts.size() ? counts[source] : 0;
 }
 
+// By source.
+std::vector<double> error_bounds_of(const Mosaic& mosaic) {
+  std::vector<double> bounds(mosaic.pool().size());
+  for (std::size_t g = 0; g < mosaic.groups().size(); ++g)
+    for (const std::size_t s : mosaic.groups()[g]->sources()) bounds[s] = mosaic.error_bound_m(g);
+  return bounds;
+}
+
 // Sources of which no post lies where tiles are baked are not named. `hashes` are those of all inputs, the
 // DEMs' first.
-Json sources_of(const Mosaic& mosaic, const HeightSummary& heights,
+Json sources_of(const Mosaic& mosaic, const HeightPlan& plan, const HeightSummary& heights,
                 const std::vector<std::uint64_t>& hashes) {
   Json sources = Json::array();
+  const std::vector<double> bounds = error_bounds_of(mosaic);
   for (std::size_t s = 0; s < mosaic.pool().size(); ++s) {
     const std::uint64_t used = count_of(heights.posts_used, s), lost = count_of(heights.posts_lost, s);
     if (used == 0 && lost == 0) continue;
     Json source = source_of(mosaic.pool().info(s), hashes[s]);
     source["posts_used"] = used;
     source["posts_lost"] = lost;
+    if (plan.least_error_bound_m() < plan.error_bound_m()) source["error_bound_m"] = bounds[s];
     sources.push_back(std::move(source));
   }
   return sources;
@@ -166,10 +180,13 @@ Result<std::string> describe_pack(const BakePlan& layers, const BuildOptions& op
   meta["bounds"] = json_of(cut_to(options.grid.region, layers.bounds()));
   if (layers.plan) {
     meta["error_bound_m"] = layers.plan->error_bound_m();
+    if (layers.plan->least_error_bound_m() < layers.plan->error_bound_m())
+      meta["least_error_bound_m"] = layers.plan->least_error_bound_m();
     meta["accuracy"] = json_of(heights.accuracy);
   }
   meta["levels"] = levels_of(pack.levels());
-  meta["sources"] = layers.heights ? sources_of(*layers.heights, heights, input_hashes) : Json::array();
+  meta["sources"] =
+      layers.heights ? sources_of(*layers.heights, *layers.plan, heights, input_hashes) : Json::array();
   if (layers.imagery) {
     const Result<Json> levels = imagery_levels_of(pack);
     if (!levels) return levels.error();

@@ -136,7 +136,8 @@ std::vector<UnitKey> height_keys(const BakePlan& layers, const BuildOptions& opt
   Json common = to_json(options);
   common.erase("imagery");
   common.erase("rqt");
-  common["with"] = {plan.quantum_m(), plan.error_bound_m(), plan.top(), plan.finest()};
+  common["with"] = {plan.quantum_m(), plan.error_bound_m(), plan.least_error_bound_m(), plan.top(),
+                    plan.finest()};
   if (options.mosaic.geoid) common["geoid"] = hashes.back();
   KeyMaker maker(mosaic.pool(), hashes);
   maker.append_common(common.dump());

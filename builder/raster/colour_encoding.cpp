@@ -24,6 +24,11 @@ std::uint8_t to_8_bits(unsigned value, int bits) {
   return static_cast<std::uint8_t>((std::min(value, most) * 255 + most / 2) / most);
 }
 
+std::uint8_t within_range(unsigned value, const std::pair<double, double>& range) {
+  const double share = (static_cast<double>(value) - range.first) / (range.second - range.first);
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(share, 0.0, 1.0)));
+}
+
 void expand_opaque(const std::uint8_t* from, std::size_t stride, std::size_t count, std::uint8_t* rgba) {
   static_assert(std::endian::native == std::endian::little);
   std::size_t i = 0;
@@ -43,7 +48,12 @@ void expand_opaque(const std::uint8_t* from, std::size_t stride, std::size_t cou
 
 bool is_plain_rgb(const ColourEncoding& e) {
   return e.type == SampleType::uint8 && e.bits == 8 && e.channels == std::vector{0, 1, 2} && !e.alpha &&
-         !e.white_is_zero && e.palette.empty();
+         !e.white_is_zero && e.palette.empty() && !e.range;
+}
+
+std::optional<std::pair<double, double>> said_range(const SourceOverrides& said, int bits) {
+  if (!said.black && !said.white) return std::nullopt;
+  return std::pair{said.black.value_or(0), said.white.value_or((1 << bits) - 1)};
 }
 
 void expand_rgb(const ColourEncoding& encoding, const std::byte* samples, std::size_t stride,
@@ -84,7 +94,9 @@ void ColourAssembly::add(int channel, std::size_t first, std::size_t count, cons
   const std::size_t step = stride * (encoding_.type == SampleType::uint16 ? 2 : 1);
   for (std::size_t i = 0; i < count; ++i) {
     const unsigned value = samples == nullptr ? 0 : load(encoding_.type, samples + i * step);
-    std::uint8_t byte = indexed ? static_cast<std::uint8_t>(value) : to_8_bits(value, encoding_.bits);
+    std::uint8_t byte = indexed                        ? static_cast<std::uint8_t>(value)
+                        : encoding_.range && !is_alpha ? within_range(value, *encoding_.range)
+                                                       : to_8_bits(value, encoding_.bits);
     if (encoding_.white_is_zero && !is_alpha) byte = static_cast<std::uint8_t>(255 - byte);
     rgba_[4 * (first + i) + to] = byte;
     const bool absent = samples == nullptr || value == nodata;

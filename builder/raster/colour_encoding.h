@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "builder/raster/raster_source.h"
@@ -16,13 +17,18 @@ namespace cairn {
 struct ColourEncoding {
   SampleType type = SampleType::uint8;  ///< uint8 or uint16
   int bits = 8;                         ///< of a sample, which scale to 0…255: 1, 2, 4, 8 or 16
-  std::vector<int> channels;            ///< one (grey or palette) or three (red, green, blue)
+  /// Samples that become 0 and 255, in place of 0 and the most of `bits`.
+  std::optional<std::pair<double, double>> range;
+  std::vector<int> channels;  ///< one (grey or palette) or three (red, green, blue)
   std::optional<int> alpha;
   bool premultiplied = false;
   bool white_is_zero = false;
   std::vector<std::uint8_t> palette;  ///< R, G, B of each index; empty where samples are colours
   std::optional<double> nodata;       ///< a pixel whose channels all have it is void
 };
+
+/// The range that the user says an image has, where something is said.
+std::optional<std::pair<double, double>> said_range(const SourceOverrides& said, int bits);
 
 /// Whether pixels are red, green and blue of 8 bits side by side, which expand_rgb() turns to RGBA at once.
 bool is_plain_rgb(const ColourEncoding& encoding);

@@ -7,6 +7,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "builder/raster/whole_metre_probe.h"
+
 namespace cairn {
 namespace {
 
@@ -18,13 +20,20 @@ std::size_t bytes_as_floats(const RasterInfo& info) {
   return static_cast<std::size_t>(info.columns) * static_cast<std::size_t>(info.rows) * sizeof(float);
 }
 
+// Raises posts lower than what the user says that a sea is; a void stays one.
+void clamp_sea(const RasterInfo& info, std::span<float> heights) {
+  if (!info.overrides.sea_clamp_m) return;
+  const auto sea = static_cast<float>(*info.overrides.sea_clamp_m);
+  for (float& height : heights) height = height < sea ? sea : height;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<RasterPool>> RasterPool::open(std::span<const std::filesystem::path> paths,
                                                      const OpenOptions& options, Content content) {
   std::unique_ptr<RasterPool> pool(new RasterPool);
   pool->options_ = options;
-  if (auto status = pool->ask_all(paths); !status) return status.error();
+  if (auto status = pool->ask_all(paths, content); !status) return status.error();
   pool->has_voids_ = std::vector<std::atomic<char>>(paths.size());
   pool->content_ = content;
   pool->set_cache_bytes(options.cache_bytes);
@@ -57,8 +66,8 @@ void RasterPool::note_voids(std::size_t source, std::span<const float> heights) 
   if (voids != 0) has_voids_[source] = 1;
 }
 
-// Nothing is decoded, so the sources need no cache yet.
-Status RasterPool::ask_all(std::span<const std::filesystem::path> paths) {
+// Hardly anything is decoded, so the sources need no cache yet.
+Status RasterPool::ask_all(std::span<const std::filesystem::path> paths, Content content) {
   infos_.resize(paths.size());
   std::vector<std::optional<Error>> errors(paths.size());
   OpenOptions asking = options_;
@@ -68,6 +77,8 @@ Status RasterPool::ask_all(std::span<const std::filesystem::path> paths) {
       const auto raster = open_raster(paths[s], asking);
       if (raster) {
         infos_[s] = (*raster)->info();
+        if (content == Content::heights && !infos_[s].whole_metres)
+          infos_[s].whole_metres = seems_whole_metres(**raster);
       } else {
         errors[s] = raster.error();
       }
@@ -115,6 +126,7 @@ Result<ChunkCache::Chunk> RasterPool::read_whole(std::size_t source) {
   const std::span<float> heights(reinterpret_cast<float*>(posts.data()), posts.size() / sizeof(float));
   const Status read = (*raster)->read_heights({0, 0, info.columns, info.rows}, heights);
   if (!read) return read.error();
+  clamp_sea(info, heights);
   note_voids(source, heights);
   return posts;
 }
@@ -125,6 +137,7 @@ Status RasterPool::read_heights(std::size_t source, const PostWindow& window, st
     const auto raster = acquire(source);
     if (!raster) return raster.error();
     if (auto status = (*raster)->read_heights(window, out); !status) return status;
+    clamp_sea(info, out);
     note_voids(source, out);
     return {};
   }

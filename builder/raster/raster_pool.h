@@ -40,9 +40,9 @@ class RasterPool {
   std::size_t size() const { return infos_.size(); }
   const RasterInfo& info(std::size_t source) const { return infos_[source]; }
 
-  /// Heights as RasterSource::read_heights() gives them. A small source is read whole, so that it is opened
-  /// and decoded once for all windows that share it, and its posts are kept while there is room for them.
-  /// REQUIRES: the content is heights.
+  /// Heights as RasterSource::read_heights() gives them, none below the source's sea clamp. A small source is
+  /// read whole, so that it is opened and decoded once for all windows that share it, and its posts are kept
+  /// while there is room for them. REQUIRES: the content is heights.
   Status read_heights(std::size_t source, const PostWindow& window, std::span<float> out);
 
   /// Whether a void was among the heights that read_heights() has given of the source, or may have been
@@ -67,7 +67,7 @@ class RasterPool {
 
   Result<std::unique_ptr<RasterSource>> open_source(std::size_t source, const OpenOptions& options) const;
   void note_voids(std::size_t source, std::span<const float> heights);
-  Status ask_all(std::span<const std::filesystem::path> paths);
+  Status ask_all(std::span<const std::filesystem::path> paths, Content content);
   bool is_small(const RasterInfo& info) const;
   Result<ChunkCache::Chunk> read_whole(std::size_t source);
   std::shared_ptr<ChunkCache> posts();

@@ -26,7 +26,9 @@ struct RasterInfo {
   std::int64_t rows = 0;
   int bands = 1;
   SampleType type = SampleType::int16;
-  bool whole_metres = true;  ///< integer posts in metres: the default error bound is 0.5 m, else 0.05 m
+  /// Posts are whole metres, as far as known: by their type, or in a RasterPool by those that were looked at.
+  /// The default error bound is then 0.5 m, else 0.05 m.
+  bool whole_metres = true;
   Georeference georeference;
   Body body;                                  ///< on which its places are
   GeoBounds bounds;                           ///< of the posts, in degrees; east may pass 180

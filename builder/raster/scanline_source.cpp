@@ -89,6 +89,7 @@ Status ScanlineSource::read_colours(const PostWindow& window, std::span<std::uin
   ColourEncoding colours;
   colours.type = info_.type;
   colours.bits = info_.type == SampleType::uint8 ? 8 : 16;
+  colours.range = said_range(info_.overrides, colours.bits);
   colours.channels = bands >= 3 ? std::vector{0, 1, 2} : std::vector{0};
   colours.nodata = info_.nodata;
   if (bands % 2 == 0) colours.alpha = info_.bands - 1;

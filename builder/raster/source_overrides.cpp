@@ -30,6 +30,9 @@ SourceOverrides overrides_of(const std::filesystem::path& source, std::span<cons
     take(rule.overrides.body, all.body);
     take(rule.overrides.latitude, all.latitude);
     take(rule.overrides.longitude, all.longitude);
+    take(rule.overrides.sea_clamp_m, all.sea_clamp_m);
+    take(rule.overrides.black, all.black);
+    take(rule.overrides.white, all.white);
     take(rule.overrides.priority, all.priority);
   }
   return all;

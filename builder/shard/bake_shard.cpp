@@ -61,8 +61,7 @@ Status bake_heights(ShardBake& bake, const ShardTiles& tiles, std::uint64_t& sam
   const auto make = [&](const TileId& id) -> Result<UnitResult<HeightLayer>> {
     auto unit = bake_unit(heights, tree, id);
     if (!unit || bake.options.heights.allow_error) return unit;
-    if (auto status = check_error_bound(unit->root->final_stats, *layers.plan); !status)
-      return status.error();
+    if (auto status = check_error_bound(unit->root->final_stats); !status) return status.error();
     return unit;
   };
   const Status status = bake_tiles(bake, "heights", Layer::heights, make, heights, tree, tiles, samples);

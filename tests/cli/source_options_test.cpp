@@ -60,6 +60,30 @@ TEST_CASE("a unit that is told counts, is in the metadata and in what info print
   }
 }
 
+TEST_CASE("posts below a sea that is told are raised to it, for all sources or those of a pattern") {
+  const test::TempDir dir;
+  const fs::path dem = test::sample_dem() / "jacksboro_fault.tif";
+  const std::string pack = (dir.path() / "a.cairn").string();
+  const fs::path sources = dir.path() / "sources.txt";
+  write_lines(sources, "jacks*.tif  sea-clamp=4000\n");
+  for (const std::vector<std::string>& told :
+       {std::vector<std::string>{"--sea-clamp", "4000"}, {"--sources", sources.string()}}) {
+    std::vector<std::string> arguments{"bake", dem.string(), "-o", pack, "--force"};
+    arguments.insert(arguments.end(), told.begin(), told.end());
+    REQUIRE(run_cairn(arguments).exit_code == 0);
+    CHECK(height_at_middle(pack) == Approx(4000).margin(0.5));
+    CHECK(info_of(pack)["sources"][0]["overrides"]["sea_clamp_m"] == 4000);
+    const auto verified = run_cairn({"verify", pack, "--against", dem.string()});
+    INFO(verified.out << verified.err);
+    CHECK(verified.exit_code == 0);
+  }
+  // A sea below all posts changes none.
+  REQUIRE(run_cairn({"bake", dem.string(), "-o", pack, "--force"}).exit_code == 0);
+  const double unclamped = height_at_middle(pack);
+  REQUIRE(run_cairn({"bake", dem.string(), "-o", pack, "--force", "--sea-clamp", "-500"}).exit_code == 0);
+  CHECK(height_at_middle(pack) == unclamped);
+}
+
 TEST_CASE("files are chosen by --include and --exclude, and none left is an error") {
   const test::TempDir dir;
   fs::copy(test::sample_dem() / "jacksboro_fault.tif", dir.path() / "a.tif");

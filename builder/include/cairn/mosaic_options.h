@@ -25,6 +25,9 @@ struct MosaicOptions {
   /// Posts of the source beneath over which the difference of the one above fades, beyond that one's rim; 0
   /// for a step.
   double fade_posts = 1;
+  /// Posts from one with a value up to which voids are filled; farther in a void stays one. 0 to 256; by
+  /// default any distance.
+  std::optional<double> void_posts;
 };
 
 }  // namespace cairn

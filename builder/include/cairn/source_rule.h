@@ -25,6 +25,11 @@ struct SourceOverrides {
   std::optional<std::string> body = std::nullopt;
   std::optional<LatitudeKind> latitude = std::nullopt;
   std::optional<LongitudeSense> longitude = std::nullopt;  ///< of a source in degrees
+  /// Posts lower than this are raised to it: the noise of a sea at 0 m, say. Metres, before a geoid.
+  std::optional<double> sea_clamp_m = std::nullopt;
+  /// The samples of an image that become 0 and 255, linearly between; absent: 0 and the most of its bits.
+  std::optional<double> black = std::nullopt;
+  std::optional<double> white = std::nullopt;
   /// Sources of a higher number win over others, finer ones too; 0 where nothing is said.
   std::optional<int> priority = std::nullopt;
 

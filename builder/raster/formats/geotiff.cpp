@@ -116,8 +116,9 @@ Status GeoTiffSource::read_heights(const PostWindow& window, std::span<float> ou
 }
 
 Status GeoTiffSource::read_colours(const PostWindow& window, std::span<std::uint8_t> rgba) const {
-  const auto encoding = colours_of_tiff(image_->layout(), info_.nodata, info_.path);
+  auto encoding = colours_of_tiff(image_->layout(), info_.nodata, info_.path);
   if (!encoding) return encoding.error();
+  encoding->range = said_range(info_.overrides, encoding->bits);
   if (auto read = read_tiff_colours(*image_, *encoding, window, rgba); !read) return read;
   if (!mask_) return {};
   return visit_absent(window, [&](std::size_t i) { rgba[4 * i + 3] = 0; });

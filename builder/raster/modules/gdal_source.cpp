@@ -330,6 +330,7 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   info.vertical = vertical_reference_of(opened->dataset.get());
   info.overrides = options.overrides;
   ColourEncoding colours = colours_of(opened->dataset.get(), info.type, info.nodata);
+  colours.range = said_range(info.overrides, colours.bits);
   if (auto placed = place_raster(info); !placed) return placed.error();
   if (auto last = check_last_row(opened->dataset.get(), path); !last) return last.error();
   std::unique_ptr<RasterSource> source = std::make_unique<GdalSource>(

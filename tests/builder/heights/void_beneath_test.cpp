@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include <GeographicLib/UTMUPS.hpp>
 #include <catch2/catch.hpp>
 
 #include "cairn/build.h"
@@ -100,6 +101,65 @@ TEST_CASE("a coarser raster shows in the voids of a finer one, without a cliff a
     CHECK(std::abs(height_at(sampler, 20.2, 10.2) - std::round(plane(20.2, 10.2))) <= 0.5);
     CHECK(std::abs(height_at(sampler, 20.298333333333333, 10.5) -
                    std::round(plane(20.298333333333333, 10.5))) <= 0.5);
+  }
+}
+
+TEST_CASE("a void is filled up to a distance, and void farther in") {
+  const test::TempDir dir;
+  test::write_bytes(dir.path() / "N10E020.hgt", test::hgt_bytes(1201, fine_height));
+  // A grid in UTM 34: 30 m posts, a void of 60 posts around its middle.
+  test::TiffRecipe projected;
+  projected.columns = projected.rows = 301;
+  projected.pixel_scale = {30, 30, 0};
+  projected.tiepoint = {0, 0, 0, 400000, 1200000, 0};
+  projected.keys = {{1024, 1}, {1025, 2}, {3072, 32634}};
+  projected.sample = [](int, std::int64_t column, std::int64_t row) {
+    const bool hole = std::abs(column - 150) < 30 && std::abs(row - 150) < 30;
+    return hole ? -32768.0 : static_cast<double>(500 + column + row);
+  };
+  test::write_tiff(dir.path() / "utm.tif", projected);
+  constexpr double kDistance = 10;  // posts
+  for (const char* dem : {"N10E020.hgt", "utm.tif"}) {
+    BuildOptions options;
+    options.mosaic.inputs = {dir.path() / dem};
+    options.mosaic.void_posts = kDistance;
+    options.session.target = dir.path() / "a.cairn";
+    options.session.force = true;
+    options.session.threads = 2;
+    const auto report = build(options, [](const Progress&) { return true; });
+    INFO((report.ok() ? "" : report.error().message));
+    REQUIRE(report.ok());
+    CHECK(verify_pack(options.session.target)->ok());
+    auto pack = PackReader::open(options.session.target);
+    REQUIRE(pack.ok());
+    PackSampler sampler(*pack, 64);
+    const auto has_height = [&](LonLat place) {
+      const auto height = sampler.height_at(place);
+      REQUIRE(height.ok());
+      return height->has_value();
+    };
+    if (std::string(dem) == "N10E020.hgt") {
+      // The void's first post is at 20.3 + 1/1200 or so; depth counts from the last one with a value.
+      CHECK(has_height({20.3 + 8.0 / 1200, 10.5}));
+      CHECK_FALSE(has_height({20.3 + 13.0 / 1200, 10.5}));
+      CHECK_FALSE(has_height({20.5, 10.5}));
+      CHECK(has_height({20.7 - 8.0 / 1200, 10.4}));
+      CHECK_FALSE(has_height({20.7 - 13.0 / 1200, 10.4}));
+      CHECK(has_height({20.2, 10.5}));
+      continue;
+    }
+    const auto at = [](double columns_from_middle) {
+      double lat = 0, lon = 0;
+      GeographicLib::UTMUPS::Reverse(34, true, 400000 + 30 * (150 + columns_from_middle), 1200000 - 30 * 150,
+                                     lat, lon);
+      return LonLat{lon, lat};
+    };
+    CHECK(has_height(at(-31)));
+    CHECK(has_height(at(-22)));
+    CHECK(has_height(at(22)));
+    CHECK_FALSE(has_height(at(-17)));
+    CHECK_FALSE(has_height(at(0)));
+    CHECK_FALSE(has_height(at(17)));
   }
 }
 

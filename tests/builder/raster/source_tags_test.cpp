@@ -301,6 +301,33 @@ TEST_CASE("images of 9 to 15 bits are scaled by their bits, not by their type's"
   }
 }
 
+TEST_CASE("an image's samples go from the black to the white that the user says, alpha untouched") {
+  const TempDir folder;
+  const auto tif = folder.path() / "x.tif", vrt = folder.path() / "x.vrt";
+  TiffRecipe recipe;
+  recipe.type = SampleType::uint16;
+  recipe.bands = 4;
+  recipe.photometric = PHOTOMETRIC_RGB;
+  recipe.extra_samples = {EXTRASAMPLE_UNASSALPHA};
+  recipe.sample = [](int band, std::int64_t, std::int64_t) {
+    constexpr std::array<double, 4> kBands{100, 1100, 3000, 65535};
+    return kBands[static_cast<std::size_t>(band)];
+  };
+  write_tiff(tif, recipe);
+  OpenOptions options;
+  options.rules = {{"*", {.black = 200, .white = 2000}}};
+  std::vector<std::filesystem::path> files{tif};
+  if (run_gdal(fmt::format("gdal_translate -q -of VRT {} {}", tif.string(), vrt.string())))
+    files.push_back(vrt);
+  for (const auto& file : files) {
+    const auto colours = all_colours(*opened(file, options));
+    CHECK(colours[0] == 0);
+    CHECK(colours[1] == 128);  // 255 · 900 / 1800
+    CHECK(colours[2] == 255);
+    CHECK(colours[3] == 255);
+  }
+}
+
 TEST_CASE("GDAL's colour interpretation and palettes make the colours") {
   const TempDir folder;
   const auto tif = folder.path() / "x.tif", vrt = folder.path() / "x.vrt";
