@@ -1,33 +1,34 @@
 #include "builder/export/raster_dem_tile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
 #include <png.h>
 
 #include "builder/export/grid_error.h"
+#include "format/delaunay.h"
 
 namespace cairn {
 namespace {
 
-constexpr int kPosts = kDemTilePixels + 1;
+constexpr int kAround = 1;                              // pixels of the tiles beside it that are read too
+constexpr int kRead = kDemTilePixels + 2 * kAround;     // along a side
+constexpr int kHeights = kDemTilePixels + 4 * kAround;  // and one more, to fill pixels without height
 
 std::size_t at(int column, int row) {
-  return static_cast<std::size_t>(row) * kPosts + static_cast<std::size_t>(column);
+  return static_cast<std::size_t>(row) * kDemTilePixels + static_cast<std::size_t>(column);
 }
 
-constexpr int kRim = kPosts + 2;  // with a row and a column around
-
-/// Heights at the pixels and one pixel around them; NaN where the pack has none.
+/// Heights at the pixels and two pixels around them; NaN where the pack has none.
 Result<std::vector<double>> heights_around(const RasterDemSource& source, PackSampler& sampler,
                                            const MercatorTile& tile, int level) {
   std::vector<double> heights;
-  heights.reserve(std::size_t{kRim} * kRim);
-  for (int r = -1; r < kPosts + 1; ++r) {
-    for (int c = -1; c < kPosts + 1; ++c) {
-      const LonLat place = mercator_place(tile, static_cast<double>(c) / kDemTilePixels,
-                                          static_cast<double>(r) / kDemTilePixels);
+  heights.reserve(std::size_t{kHeights} * kHeights);
+  for (int r = -2 * kAround; r < kDemTilePixels + 2 * kAround; ++r) {
+    for (int c = -2 * kAround; c < kDemTilePixels + 2 * kAround; ++c) {
+      const LonLat place = mercator_place(tile, (c + 0.5) / kDemTilePixels, (r + 0.5) / kDemTilePixels);
       const auto height = sampler.height_at(place, level);
       if (!height) return height.error();
       heights.push_back(*height ? (*height)->metres + source.shift.at(place) : std::nan(""));
@@ -36,11 +37,35 @@ Result<std::vector<double>> heights_around(const RasterDemSource& source, PackSa
   return heights;
 }
 
+/// The tile's own pixel that is read for one beside it, where the tile that would have it is absent.
+class Around {
+ public:
+  Around(const RasterDemSource& source, const MercatorTile& tile) {
+    const std::int64_t side = std::int64_t{1} << tile.zoom;
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x) {
+        const MercatorTile other{tile.zoom, (tile.x + x + side) % side, tile.y + y};
+        has_[index(x, y)] = (x == 0 && y == 0) || (other.y >= 0 && other.y < side && source.has(other));
+      }
+  }
+
+  GridPlace read(int column, int row) const {
+    if (has_[index(beyond(column), beyond(row))]) return {column, row};
+    return {std::clamp(column, 0, kDemTilePixels - 1), std::clamp(row, 0, kDemTilePixels - 1)};
+  }
+
+ private:
+  static int beyond(int pixel) { return pixel < 0 ? -1 : pixel >= kDemTilePixels ? 1 : 0; }
+  static std::size_t index(int x, int y) { return static_cast<std::size_t>(3 * (y + 1) + x + 1); }
+  std::array<bool, 9> has_{};
+};
+
 /// The height of a pixel. One without height beside some with heights is their mean, so that readings at the
 /// rim of the ground are the ground's; others are 0.
 double filled(const std::vector<double>& heights, int column, int row) {
   const auto height = [&](int c, int r) {
-    return heights[static_cast<std::size_t>(r + 1) * kRim + static_cast<std::size_t>(c + 1)];
+    return heights[static_cast<std::size_t>(r + 2 * kAround) * kHeights +
+                   static_cast<std::size_t>(c + 2 * kAround)];
   };
   if (!std::isnan(height(column, row))) return height(column, row);
   double sum = 0;
@@ -86,15 +111,22 @@ Result<RasterDemTile> make_raster_dem(const RasterDemSource& source, PackSampler
   const auto heights = heights_around(source, sampler, tile, level);
   if (!heights) return heights.error();
   RasterDemTile made;
-  made.pixels.reserve(std::size_t{kPosts} * kPosts);
-  for (int r = 0; r < kPosts; ++r)
-    for (int c = 0; c < kPosts; ++c) made.pixels.push_back(source.encoding.pixel_of(filled(*heights, c, r)));
-  DecodedGrid read{kPosts, kPosts, {}};
-  for (const std::uint32_t pixel : made.pixels) read.metres.push_back(source.encoding.metres_of(pixel));
+  made.pixels.reserve(std::size_t{kDemTilePixels} * kDemTilePixels);
+  DecodedGrid read{kRead, kRead, {}};
+  const Around around(source, tile);
+  for (int r = -kAround; r < kDemTilePixels + kAround; ++r) {
+    for (int c = -kAround; c < kDemTilePixels + kAround; ++c) {
+      const GridPlace from = around.read(c, r);
+      const std::uint32_t pixel = source.encoding.pixel_of(
+          filled(*heights, static_cast<int>(from.column), static_cast<int>(from.row)));
+      read.metres.push_back(source.encoding.metres_of(pixel));
+      if (c >= 0 && c < kDemTilePixels && r >= 0 && r < kDemTilePixels) made.pixels.push_back(pixel);
+    }
+  }
   const auto position = [&tile](LonLat place) {
-    return GridPosition{
-        (std::ldexp((place.lon + 180) / 360, tile.zoom) - static_cast<double>(tile.x)) * kDemTilePixels,
-        (std::ldexp(mercator_row(place.lat), tile.zoom) - static_cast<double>(tile.y)) * kDemTilePixels};
+    const double right = std::ldexp((place.lon + 180) / 360, tile.zoom) - static_cast<double>(tile.x),
+                 down = std::ldexp(mercator_row(place.lat), tile.zoom) - static_cast<double>(tile.y);
+    return GridPosition{right * kDemTilePixels - 0.5 + kAround, down * kDemTilePixels - 0.5 + kAround};
   };
   const auto error = grid_error(source.patches, source.tiles, source.shift,
                                 ticks_around(mercator_bounds(tile)), measured_level, read, position);

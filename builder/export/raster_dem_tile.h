@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "builder/export/mercator_tiles.h"
@@ -40,11 +41,10 @@ int dem_level(int tile_size, int zoom, int coarsest, int finest);
 /// The first zoom whose pixels are no larger than the samples of the pack's finest level.
 int finest_dem_zoom(int tile_size, int finest);
 
-/// A tile of heights as its reader has them. Pixel i stands for the place i/512 of the tile's width from its
-/// west, and j from its north: so reads MapLibre's Terrain.getDEMElevation() and its shaders. The last column
-/// and row are the first ones of the tiles beside it.
+/// A tile of heights as its reader has them. Pixel i stands for the place (i + 1/2)/512 of the tile's width
+/// from its west, and likewise from its north: so read MapLibre 6's DEMCoverage and its shaders.
 struct RasterDemTile {
-  std::vector<std::uint32_t> pixels;  ///< 513², rows from NORTH to south
+  std::vector<std::uint32_t> pixels;  ///< 512², rows from NORTH to south
   double max_error_m = 0;  ///< of MapLibre's bilinear reading at the pack's samples, their own error included
 };
 
@@ -53,6 +53,9 @@ struct RasterDemSource {
   MetreTiles& tiles;
   const VerticalShift& shift;
   DemEncoding encoding;
+  /// Whether there is a tile. MapLibre reads half a pixel beyond a tile from the one beside it, and repeats
+  /// the last pixel where there is none.
+  std::function<bool(const MercatorTile&)> has;
 };
 
 /// Makes a tile: heights of the pack up to a level, a place without height is the mean of

@@ -110,14 +110,16 @@ HttpAnswer answer_terrarium(const HttpRequest& request, const std::string& pack_
       {"ETag", pack.served.etag}, {"Cache-Control", "no-cache"}, {"Content-Type", "image/png"}};
   const int level =
       dem_level(pack.reader.header().tile_size, tile->zoom, pack.patches->coarsest(), pack.patches->finest());
-  if (!pack.patches->has_tile(ticks_around(mercator_bounds(*tile)), level))
-    return error_answer(404, "tile: expected one where the pack has heights, found " + rest);
+  const auto has = [&pack, level](const MercatorTile& one) {
+    return pack.patches->has_tile(ticks_around(mercator_bounds(one)), level);
+  };
+  if (!has(*tile)) return error_answer(404, "tile: expected one where the pack has heights, found " + rest);
   if (const std::string& known = request.field("if-none-match");
       !known.empty() && names_etag(known, pack.served.etag))
     return {304, fields, {}, {}};
   PackSampler sampler(pack.reader, kSamplerTiles);
   const VerticalShift as_stored;
-  const RasterDemSource source{*pack.patches, pack.tiles, as_stored, DemEncoding::terrarium()};
+  const RasterDemSource source{*pack.patches, pack.tiles, as_stored, DemEncoding::terrarium(), has};
   const auto made = make_raster_dem(source, sampler, *tile, level, pack.patches->coarsest());
   if (!made) return error_answer(500, made.error().message);
   const auto png = encode_raster_dem(*made);

@@ -158,7 +158,7 @@ class Rasters(unittest.TestCase):
         md = archive.metadata
         self.assertEqual(md["encoding"], "terrarium")  # the pack's quantum of 0.6 m is coarser than 1/256 m
         errors = {level["level"]: level["max_error_m"] for level in report["levels"]}
-        # MapLibre's reading: pixel i is at i/512 of the tile's width.
+        # MapLibre's reading: pixel i is at (i + 1/2)/512 of the tile's width.
         zoom = archive.max_zoom
         generator = np.random.default_rng(7)
         lon = generator.uniform(-84.35, -84.15, 400)
@@ -169,8 +169,8 @@ class Rasters(unittest.TestCase):
         decoded, worst, read = {}, 0, 0
         for px, py, height in zip(x, y, truth):
             key = (zoom, int(px), int(py))
-            u, v = (px - int(px)) * 512, (py - int(py)) * 512
-            if u >= 511 or v >= 511:  # its neighbour would be read too
+            u, v = (px - int(px)) * 512 - 0.5, (py - int(py)) * 512 - 0.5
+            if not (0 <= u < 511 and 0 <= v < 511):  # its neighbour would be read too
                 continue
             if key not in decoded:
                 rgb = png_rgb(archive.tiles[key]).astype(float)

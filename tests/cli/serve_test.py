@@ -212,8 +212,8 @@ class ServeTest(unittest.TestCase):
         metres = red * 256 + green + blue / 256 - 32768
         dice = random.Random(4)
         pixels = [(dice.randrange(512), dice.randrange(512)) for _ in range(200)]
-        lon = [(272 + x / 512) / 1024 * 360 - 180 for x, _ in pixels]
-        lat = [float(np.degrees(np.arctan(np.sinh(np.pi * (1 - 2 * (399 + y / 512) / 1024))))) for _, y in pixels]
+        lon = [(272 + (x + 0.5) / 512) / 1024 * 360 - 180 for x, _ in pixels]
+        lat = [float(np.degrees(np.arctan(np.sinh(np.pi * (1 - 2 * (399 + (y + 0.5) / 512) / 1024))))) for _, y in pixels]
         level = 2
         points = "lon,lat\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(lon, lat))
         expected = json.loads(cairn("sample", self.pack, "--points", "-", "--json", "--level", level, stdin=points).stdout)

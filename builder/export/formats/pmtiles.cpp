@@ -276,7 +276,8 @@ Result<ExportReport> RasterDemExport::run() {
   const std::size_t fixed = kProgramBytes + static_cast<std::size_t>(options_.threads) * kThreadBytes;
   const std::size_t spare = options_.memory_bytes > fixed ? options_.memory_bytes - fixed : 0;
   MetreTiles tiles(pack_, std::clamp<std::size_t>(spare / tile_bytes, 4, 256));
-  const RasterDemSource source{patches_, tiles, *shift, encoding_};
+  const RasterDemSource source{patches_, tiles, *shift, encoding_,
+                               [this](const MercatorTile& tile) { return has(tile); }};
   tbb::task_arena arena(options_.threads);
   const Status made = arena.execute([&] {
     return run_in_order<Batch>(
