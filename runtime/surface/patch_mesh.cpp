@@ -48,99 +48,117 @@ PatchVertices::Vertex PatchVertices::at(int i, int j) const {
 
 namespace {
 
-constexpr int kMostSamples = (1 << kPatchCellsLog2) + 1;
+constexpr std::uint16_t kNone = 0xFFFF;
+
+}  // namespace
+
+PatchTriangulation::PatchTriangulation(const SurfacePatch& patch, const SideVertices& sides)
+    : patch_(patch), size_(patch.cells() + 1), rising_(root_rises(patch.area)) {
+  std::fill_n(is_vertex_.begin(), static_cast<std::ptrdiff_t>(size_) * size_, std::uint8_t{0});
+  take_own();
+  take_forced();
+  take_sides(sides);
+}
+
+std::array<PatchTriangulation::Triangle, 2> PatchTriangulation::halves() const {
+  const Corner sw{0, 0}, se{size_ - 1, 0}, ne{size_ - 1, size_ - 1}, nw{0, size_ - 1};
+  if (rising_) return {{{sw, ne, nw}, {ne, sw, se}}};
+  return {{{se, nw, sw}, {nw, se, ne}}};
+}
+
+std::optional<PatchTriangulation::Corner> PatchTriangulation::middle_of(const Triangle& triangle) const {
+  const int columns = triangle.from.column + triangle.to.column, rows = triangle.from.row + triangle.to.row;
+  if (((columns | rows) & 1) != 0 || !is_vertex_[index(columns / 2, rows / 2)]) return std::nullopt;
+  return Corner{columns / 2, rows / 2};
+}
+
+PatchTriangulation::Triangle PatchTriangulation::triangle_at(double column, double row) const {
+  // Twice the signed area of the triangle that a place makes with two corners.
+  const auto side_of = [](const Corner& a, const Corner& b, double x, double y) {
+    return (b.column - a.column) * (y - a.row) - (b.row - a.row) * (x - a.column);
+  };
+  Triangle now = halves()[0];
+  if (side_of(now.from, now.to, column, row) < 0) now = halves()[1];
+  while (const std::optional<Corner> middle = middle_of(now)) {
+    const bool is_beside_from =
+        side_of(now.apex, *middle, column, row) * side_of(now.apex, *middle, now.from.column, now.from.row) >=
+        0;
+    now = is_beside_from ? Triangle{now.apex, now.from, *middle} : Triangle{now.to, now.apex, *middle};
+  }
+  return now;
+}
+
+void PatchTriangulation::take_own() {
+  const int samples_log2 = patch_.sample_cells_log2();
+  if (!patch_.surface.tile || samples_log2 <= 0) return;
+  const TileId& tile = patch_.surface.tile->id;
+  const int deeper = patch_.area.level - tile.level, samples = 1 << samples_log2;
+  const int finer = patch_.cells_log2 - samples_log2;
+  const int column = (patch_.area.x - (tile.x << deeper)) * samples;
+  const int row = (patch_.area.y - (tile.y << deeper)) * samples;
+  for (int j = 0; j <= samples; ++j) {
+    const std::uint8_t* codes = patch_.surface.tile->steps.row_of(row + j) + column;
+    std::uint8_t* out = &is_vertex_[index(0, j << finer)];
+    for (int i = 0; i <= samples; ++i) out[i << finer] = codes[i] > patch_.step ? 1 : 0;
+  }
+}
+
+void PatchTriangulation::take_forced() {
+  const int step = 1 << (patch_.cells_log2 - patch_.forced_log2);
+  for (int row = 0; row < size_; row += step) {
+    for (int column = 0; column < size_; column += step) is_vertex_[index(column, row)] = 1;
+  }
+}
+
+void PatchTriangulation::take_sides(const SideVertices& sides) {
+  for (int i = 1; i < size_ - 1; ++i) {
+    if (of_side(sides, Side::south) >> i & 1) raise(i, 0);
+    if (of_side(sides, Side::north) >> i & 1) raise(i, size_ - 1);
+    if (of_side(sides, Side::west) >> i & 1) raise(0, i);
+    if (of_side(sides, Side::east) >> i & 1) raise(size_ - 1, i);
+  }
+}
+
+void PatchTriangulation::raise(int column, int row) {
+  std::uint8_t& is_vertex = is_vertex_[index(column, row)];
+  if (is_vertex) return;
+  is_vertex = 1;
+  const RqtNeeds needs = rqt_needs_of(column, row, size_, rising_);
+  const auto across = static_cast<std::size_t>(size_);
+  for (const std::size_t need : {needs.first, needs.second})
+    raise(static_cast<int>(need % across), static_cast<int>(need / across));
+}
+
+namespace {
 
 /// The vertices and triangles of one patch.
-class Builder {
+class MeshBuilder {
  public:
-  explicit Builder(const SurfacePatch& patch)
-      : patch_(patch), vertices_(patch), size_(patch.cells() + 1), rising_(root_rises(patch.area)) {}
-
-  PatchMesh run(const SideVertices& sides) {
-    const auto samples = static_cast<std::ptrdiff_t>(size_) * size_;
-    std::fill_n(is_vertex_.begin(), samples, std::uint8_t{0});
+  MeshBuilder(const SurfacePatch& patch, const SideVertices& sides)
+      : triangulation_(patch, sides), vertices_(patch) {
+    const auto samples = static_cast<std::ptrdiff_t>(triangulation_.size()) * triangulation_.size();
     std::fill_n(numbers_.begin(), samples, kNone);
-    take_own();
-    take_forced();
-    take_sides(sides);
-    const Corner sw{0, 0}, se{size_ - 1, 0}, ne{size_ - 1, size_ - 1}, nw{0, size_ - 1};
-    if (rising_) {
-      emit(sw, ne, nw);
-      emit(ne, sw, se);
-    } else {
-      emit(se, nw, sw);
-      emit(nw, se, ne);
-    }
+  }
+
+  PatchMesh run() {
+    for (const PatchTriangulation::Triangle& half : triangulation_.halves()) emit(half);
     return std::move(mesh_);
   }
 
  private:
-  struct Corner {
-    int column;
-    int row;
-  };
-  static constexpr std::uint16_t kNone = 0xFFFF;
-
-  std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(size_) + static_cast<std::size_t>(column);
-  }
-
-  void take_own() {
-    const int samples_log2 = patch_.sample_cells_log2();
-    if (!patch_.surface.tile || samples_log2 <= 0) return;
-    const TileId& tile = patch_.surface.tile->id;
-    const int deeper = patch_.area.level - tile.level, samples = 1 << samples_log2;
-    const int finer = patch_.cells_log2 - samples_log2;
-    const int column = (patch_.area.x - (tile.x << deeper)) * samples;
-    const int row = (patch_.area.y - (tile.y << deeper)) * samples;
-    for (int j = 0; j <= samples; ++j) {
-      const std::uint8_t* codes = patch_.surface.tile->steps.row_of(row + j) + column;
-      std::uint8_t* out = &is_vertex_[index(0, j << finer)];
-      for (int i = 0; i <= samples; ++i) out[i << finer] = codes[i] > patch_.step ? 1 : 0;
-    }
-  }
-
-  void take_forced() {
-    const int step = 1 << (patch_.cells_log2 - patch_.forced_log2);
-    for (int row = 0; row < size_; row += step) {
-      for (int column = 0; column < size_; column += step) is_vertex_[index(column, row)] = 1;
-    }
-  }
-
-  void take_sides(const SideVertices& sides) {
-    for (int i = 1; i < size_ - 1; ++i) {
-      if (of_side(sides, Side::south) >> i & 1) raise(i, 0);
-      if (of_side(sides, Side::north) >> i & 1) raise(i, size_ - 1);
-      if (of_side(sides, Side::west) >> i & 1) raise(0, i);
-      if (of_side(sides, Side::east) >> i & 1) raise(size_ - 1, i);
-    }
-  }
-
-  void raise(int column, int row) {
-    std::uint8_t& is_vertex = is_vertex_[index(column, row)];
-    if (is_vertex) return;
-    is_vertex = 1;
-    const RqtNeeds needs = rqt_needs_of(column, row, size_, rising_);
-    const auto across = static_cast<std::size_t>(size_);
-    for (const std::size_t need : {needs.first, needs.second})
-      raise(static_cast<int>(need % across), static_cast<int>(need / across));
-  }
-
-  /// Of the triangle over a base, or of what it is bisected into.
-  void emit(const Corner& from, const Corner& to, const Corner& apex) {
-    const int columns = from.column + to.column, rows = from.row + to.row;
-    const bool has_middle = ((columns | rows) & 1) == 0;
-    if (has_middle && is_vertex_[index(columns / 2, rows / 2)]) {
-      const Corner middle{columns / 2, rows / 2};
-      emit(apex, from, middle);
-      emit(to, apex, middle);
+  /// Of the triangle, or of what it is bisected into.
+  void emit(const PatchTriangulation::Triangle& t) {
+    if (const auto middle = triangulation_.middle_of(t)) {
+      emit({t.apex, t.from, *middle});
+      emit({t.to, t.apex, *middle});
       return;
     }
-    for (const Corner& corner : {from, to, apex}) mesh_.indices.push_back(number(corner));
+    for (const PatchTriangulation::Corner& corner : {t.from, t.to, t.apex})
+      mesh_.indices.push_back(number(corner));
   }
 
-  std::uint16_t number(const Corner& corner) {
-    std::uint16_t& number = numbers_[index(corner.column, corner.row)];
+  std::uint16_t number(const PatchTriangulation::Corner& corner) {
+    std::uint16_t& number = numbers_[triangulation_.index(corner.column, corner.row)];
     if (number == kNone) {
       number = static_cast<std::uint16_t>(mesh_.vertices.size());
       mesh_.vertices.push_back(vertices_.at(corner.column, corner.row).vertex);
@@ -148,20 +166,17 @@ class Builder {
     return number;
   }
 
-  const SurfacePatch& patch_;
+  PatchTriangulation triangulation_;
   PatchVertices vertices_;
-  int size_;
-  bool rising_;
-  // Of size_ × size_ samples; most patches are small, and what they do not use costs nothing.
-  std::array<std::uint8_t, kMostSamples * kMostSamples> is_vertex_;
-  std::array<std::uint16_t, kMostSamples * kMostSamples> numbers_;
+  // Of size × size samples; most patches are small, and what they do not use costs nothing.
+  std::array<std::uint16_t, PatchTriangulation::kMostSamples> numbers_;
   PatchMesh mesh_;
 };
 
 }  // namespace
 
 PatchMesh build_patch_mesh(const SurfacePatch& patch, const SideVertices& sides) {
-  return Builder(patch).run(sides);
+  return MeshBuilder(patch, sides).run();
 }
 
 }  // namespace cairn
