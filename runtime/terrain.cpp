@@ -10,6 +10,8 @@
 #include <glm/geometric.hpp>
 
 #include "cairn/geodesy.h"
+#include "runtime/paging/object_models.h"
+#include "runtime/paging/object_selection.h"
 #include "runtime/paging/pager.h"
 #include "runtime/paging/tile_availability.h"
 #include "runtime/paging/tile_selection.h"
@@ -23,7 +25,8 @@ namespace {
 
 constexpr std::size_t kMostViews = 64;
 constexpr std::uint64_t kUpdatesPerLookAhead = 8;
-constexpr double kFarthest_m = 1e12;  // beyond, differences of positions lose what a pixel is
+constexpr std::uint64_t kObjectsShare = 4;  // of the budget, objects take a quarter at most
+constexpr double kFarthest_m = 1e12;        // beyond, differences of positions lose what a pixel is
 
 Error out_of_range(const char* option, const std::string& expected, const std::string& found) {
   return usage_error(std::string("terrain options: ") + option + ": expected " + expected + ", found " +
@@ -40,8 +43,9 @@ Status check(const TerrainOptions& o, const TileAvailability& contents) {
   for (const double margin : {o.tile_margin, o.level_margin}) {
     if (!(margin >= 0 && margin < 1)) return out_of_range("margin", "0 to 1", std::to_string(margin));
   }
-  for (const double limit : {o.tolerance_px, o.texel_px}) {
-    if (!(limit > 0)) return out_of_range("tolerance_px and texel_px", "above 0", std::to_string(limit));
+  for (const double limit : {o.tolerance_px, o.texel_px, o.object_px}) {
+    if (!(limit > 0))
+      return out_of_range("tolerance_px, texel_px and object_px", "above 0", std::to_string(limit));
   }
   if (!(o.look_ahead_s >= 0))
     return out_of_range("look_ahead_s", "0 or more", std::to_string(o.look_ahead_s));
@@ -107,7 +111,9 @@ struct Terrain::State {
         contents(std::move(pack), &table),
         occluder(contents.lowest_m(), contents.pack().header().body.shape),
         tree(contents, occluder),
-        pager(table, contents, tree, std::move(source), {o.cache_bytes, o.delivery_bytes, o.workers}) {
+        models(std::make_shared<ObjectModels>(contents.shared_pack())),
+        pager(table, contents, tree, with_models(std::move(source), models),
+              {o.cache_bytes, o.delivery_bytes, o.workers}) {
     list.lowest_m = contents.lowest_m();
     target.cut = {tree.node({kMinLevel, 0, 0}).best};
   }
@@ -126,6 +132,8 @@ struct Terrain::State {
   void look_ahead(std::span<const ViewState> views, double dt_s);
   std::size_t count_failing(const TileCut& cover) const;
   void list_tiles();
+  void list_objects();
+  std::size_t objects_on_their_way() const;
   void measure_list();
   void count_holes();
   const RenderList& refuse(const Error& error);
@@ -140,19 +148,21 @@ struct Terrain::State {
   std::vector<SelectionView> selection_views;
   bool is_available_anew = false;  // what the pack can show has changed since the target was made
   PagerTarget target;
-  std::size_t failing = 0;  // tiles of the target that cannot be read at present
+  std::size_t failing = 0;         // tiles of the target that cannot be read at present
+  std::uint64_t object_bytes = 0;  // that the target's objects may take
   std::uint64_t updates_until_ahead = 0;
   bool view_refused = false;
   PagingStats counts;
   bool any_shown = false;
   RenderList list;
   std::vector<Shortfall> shortfalls;  // of the list's tiles
+  std::shared_ptr<ObjectModels> models;
   Pager pager;
 };
 
 SelectionRules Terrain::State::rules() const {
   return {kTileShare * options.tolerance_px, options.texel_px, std::exp2(options.level_margin),
-          pager.target_bytes()};
+          pager.target_bytes() - object_bytes};
 }
 
 void Terrain::State::retarget(std::span<const ViewState> views) {
@@ -168,11 +178,16 @@ void Terrain::State::retarget(std::span<const ViewState> views) {
   for (std::size_t i = 0; i < views.size(); ++i) {
     selection_views.push_back(selection_view(views[i], contents, occluder, options.pattern, eyes[i].focus));
   }
+  ObjectSelection objects =
+      select_objects(tree, selection_views, options.object_px, pager.target_bytes() / kObjectsShare);
+  object_bytes = objects.bytes;
   TileSelection selection = select_tiles(tree, selection_views, rules(), target.cut);
-  list.is_limited = selection.is_limited;
-  failing = count_failing(selection.cut);
+  list.is_limited = selection.is_limited || objects.is_limited;
+  failing = count_failing(selection.cut) + objects.absent;
   const auto is_same = [](const CutNode& a, const CutNode& b) { return a.shows_same(b); };
-  if (!is_remade &&
+  const bool has_same_objects = objects.tiles == target.objects;
+  target.objects = std::move(objects.tiles);
+  if (!is_remade && has_same_objects &&
       std::equal(selection.cut.begin(), selection.cut.end(), target.cut.begin(), target.cut.end(), is_same))
     return;
   ++counts.moves;
@@ -243,6 +258,24 @@ void Terrain::State::list_tiles() {
     list.tiles.push_back(std::move(tile));
   }
   count_holes();
+}
+
+/// Lists those of the needed objects that are in memory.
+void Terrain::State::list_objects() {
+  std::vector<std::shared_ptr<const LoadedObjects>> objects;
+  for (const IndexEntry& entry : target.objects) {
+    if (const LoadedTile* loaded = table.find(key_of(entry))) objects.push_back(loaded->standing);
+  }
+  if (objects == list.objects) return;
+  list.objects = std::move(objects);
+  ++list.version;
+}
+
+/// Of the needed tiles of objects; those for which there is no memory are not.
+std::size_t Terrain::State::objects_on_their_way() const {
+  return static_cast<std::size_t>(
+      std::count_if(target.objects.begin(), target.objects.end(),
+                    [this](const IndexEntry& entry) { return is_requested(table.state(key_of(entry))); }));
 }
 
 /// What can be seen of the list, and how good it is.
@@ -330,11 +363,13 @@ const RenderList& Terrain::update(std::span<const ViewState> asked, double dt_s)
   s.look_ahead(views, dt_s);  // 2. which they may need next
   std::vector<ViewFrustum> frusta;
   for (const SelectionView& view : s.selection_views) frusta.push_back(view.frustum);
-  PagerChanges changes = s.pager.update(s.target, frusta, Pager::Clock::now());  // 3. what of it is there
+  PagerChanges changes = s.pager.update(s.target, frusta, Pager::Clock::now(),
+                                        s.models->counts().bytes);  // 3. what of it is there
   s.is_available_anew = changes.availability;
   if (changes.drawn || s.list.tiles.empty()) s.list_tiles();
+  s.list_objects();
   s.measure_list();  // 4. what of it can be seen, and how well
-  const bool is_drawn = s.pager.state() != PagerState::replacing;
+  const bool is_drawn = s.pager.state() != PagerState::replacing && s.objects_on_their_way() == 0;
   s.list.is_complete = is_drawn && s.failing == 0;
   s.list.is_settled = is_drawn || s.pager.only_failing();
   s.list.evicted = std::move(changes.evicted);
@@ -368,6 +403,11 @@ TileId Terrain::eye_tile() const {
 PagingStats Terrain::stats() const {
   PagingStats stats = state_->counts;
   state_->pager.add_to(stats);
+  const ObjectModelCounts models = state_->models->counts();
+  stats.models_resident = models.resident;
+  stats.model_bytes = models.bytes;
+  stats.models_loaded = models.loads;
+  for (const auto& tile : state_->list.objects) stats.objects_resident += tile->all().size();
   return stats;
 }
 

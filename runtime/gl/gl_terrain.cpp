@@ -18,6 +18,7 @@ struct GlTerrain::State {
   Terrain terrain;
   gl::Renderer renderer;
   std::shared_ptr<const PackReader> pack;
+  double object_px = 2;
   std::unique_ptr<SunShadows> shadows;  ///< from the first picture that has any
   const SurfaceFrame* frame = nullptr;
   const RenderList* list = nullptr;
@@ -37,8 +38,15 @@ Result<GlTerrain> GlTerrain::create(std::shared_ptr<const PackReader> pack, cons
   Surface surface(header);
   Result<Terrain> terrain = Terrain::open(pack, options, surface.preparing(read_from(pack)));
   if (!terrain) return terrain.error();
-  return GlTerrain(std::make_unique<State>(State{
-      std::move(surface), std::move(*terrain), std::move(*renderer), pack, nullptr, nullptr, nullptr, {}}));
+  return GlTerrain(std::make_unique<State>(State{std::move(surface),
+                                                 std::move(*terrain),
+                                                 std::move(*renderer),
+                                                 pack,
+                                                 options.object_px,
+                                                 nullptr,
+                                                 nullptr,
+                                                 nullptr,
+                                                 {}}));
 }
 
 const RenderList& GlTerrain::update(const ViewState& view, double dt_s, double tolerance_px) {
@@ -47,7 +55,7 @@ const RenderList& GlTerrain::update(const ViewState& view, double dt_s, double t
   s.view.ellipsoid = s.pack->header().body.shape;
   s.terrain.set_tolerance_px(tolerance_px);
   s.list = &s.terrain.update(view, dt_s);
-  s.frame = &s.surface.frame(*s.list, {view, tolerance_px, dt_s});
+  s.frame = &s.surface.frame(*s.list, {view, tolerance_px, dt_s, s.object_px});
   s.renderer.take(*s.frame);
   return *s.list;
 }

@@ -12,6 +12,7 @@
 #include "runtime/gl/gpu_timer.h"
 #include "runtime/gl/host_state.h"
 #include "runtime/gl/loose_batch.h"
+#include "runtime/gl/object_batch.h"
 #include "runtime/gl/patch_batch.h"
 #include "runtime/gl/patch_records.h"
 #include "runtime/gl/resident_tiles.h"
@@ -47,14 +48,17 @@ struct Renderer::State {
   ResidentTiles tiles;
   PatchBatch patches;
   LooseBatch loose;
+  ObjectBatch objects;
   Buffer records = make_buffer();
   Program terrain;
   Program sky;
+  Program object;
   VertexArray no_vertices = make_vertex_array();
   GpuTimer timer;
 
   void set_uniforms(const Camera& camera, const GlLook& look);
   void draw_ground(const SurfaceMesh& mesh, const GlLook& look, bool calls);
+  void draw_objects(const SurfaceObjects& shown, const Camera& camera, const GlLook& look, bool calls);
   void draw_sky(const Camera& camera, const GlTarget& target);
 };
 
@@ -76,7 +80,7 @@ void Renderer::State::set_uniforms(const Camera& camera, const GlLook& look) {
                            (look.dithers ? kDither : 0u) | (look.shadows ? kShadows : 0u);
   const auto a = static_cast<float>(camera.view.ellipsoid.semi_major_m);
   const auto b = static_cast<float>(camera.view.ellipsoid.semi_minor_m);
-  for (const GLuint each : {program, sky.name()}) {
+  for (const GLuint each : {program, sky.name(), object.name()}) {
     glProgramUniform3f(each, kRadii, a, a, b);
     const glm::vec3 sun(look.to_sun);
     glProgramUniform1f(each, kEyeHeight, static_cast<float>(camera.view.height_m));
@@ -99,6 +103,18 @@ void Renderer::State::draw_ground(const SurfaceMesh& mesh, const GlLook& look, b
   loose.draw(mesh.walls.vertices, mesh.walls.indices, calls);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glDisable(GL_CLIP_DISTANCE0);
+  glDisable(GL_DEPTH_CLAMP);
+}
+
+void Renderer::State::draw_objects(const SurfaceObjects& shown, const Camera& camera, const GlLook& look,
+                                   bool calls) {
+  const glm::mat4 clip(camera.clip_from_eye);
+  glProgramUniformMatrix4fv(object.name(), kClip, 1, GL_FALSE, glm::value_ptr(clip));
+  glEnable(GL_DEPTH_CLAMP);
+  glPolygonMode(GL_FRONT_AND_BACK, look.wireframe ? GL_LINE : GL_FILL);
+  glUseProgram(object.name());
+  objects.draw(shown, object.name(), calls);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glDisable(GL_DEPTH_CLAMP);
 }
 
@@ -133,6 +149,9 @@ Result<Renderer> Renderer::create(int tile_size, double quantum_m, std::size_t e
   if (!sky) return sky.error();
   state->terrain = std::move(*terrain);
   state->sky = std::move(*sky);
+  Result<Program> object = link_program("object");
+  if (!object) return object.error();
+  state->object = std::move(*object);
   return Renderer(std::move(state));
 }
 
@@ -140,6 +159,7 @@ std::size_t Renderer::take(const SurfaceFrame& frame) {
   const HostState host;
   state_->tiles.begin_frame(frame);
   state_->patches.take(frame.mesh);
+  state_->objects.take(frame.objects);
   for (const RenderTile* tile : frame.tiles) {
     if (tile->visible) state_->tiles.imagery_of(*tile);
   }
@@ -177,9 +197,18 @@ GlCounts Renderer::draw(const SurfaceFrame& frame, const SurfaceMesh& mesh, cons
   s.set_uniforms(camera, look);
   aim_at(target, look);
   s.draw_ground(mesh, look, calls);
+  if (look.objects) s.draw_objects(frame.objects, camera, look, calls);
   if (look.sky && !look.depth_only && calls) s.draw_sky(camera, target);
   s.timer.end();
-  return {records.size(), mesh.triangles, 0, s.tiles.bytes() + s.patches.bytes(), s.timer.ms()};
+  GlCounts counts{records.size(), mesh.triangles, 0, s.tiles.bytes() + s.patches.bytes() + s.objects.bytes(),
+                  s.timer.ms()};
+  if (look.objects) {
+    counts.objects = frame.objects.objects;
+    counts.billboards = frame.objects.billboards;
+    counts.object_calls = frame.objects.draws.size();
+    counts.object_triangles = static_cast<std::size_t>(frame.objects.triangles);
+  }
+  return counts;
 }
 
 std::size_t Renderer::update_shadows(SunShadows& shadows, const SurfaceFrame& frame, const SurfaceMesh& mesh,

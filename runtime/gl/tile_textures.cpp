@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "runtime/gl/software_driver.h"
+#include "runtime/gl/texture_format.h"
 
 namespace cairn::gl {
 namespace {
@@ -53,24 +54,6 @@ void upload_compressed(const LayerArray& array, std::uint32_t layer, int mip, st
   const GLsizei size = std::max(array.size() >> mip, 1);
   glCompressedTextureSubImage3D(array.name(), mip, 0, 0, static_cast<GLint>(layer), size, size, 1,
                                 array.format(), static_cast<GLsizei>(bytes), texels);
-}
-
-GLenum srgb_format(TextureFormat format) {
-  switch (format) {
-    case TextureFormat::bc1:
-      return GL_COMPRESSED_SRGB_ALPHA_S3TC_DXT1_EXT;
-    case TextureFormat::bc3:
-      return GL_COMPRESSED_SRGB_ALPHA_S3TC_DXT5_EXT;
-    default:
-      return GL_COMPRESSED_SRGB_ALPHA_BPTC_UNORM;
-  }
-}
-
-bool can_read(TextureFormat format) {
-  if (format == TextureFormat::bc7) return epoxy_has_gl_extension("GL_ARB_texture_compression_bptc");
-  return epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc") &&
-         (epoxy_has_gl_extension("GL_EXT_texture_sRGB") ||
-          epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc_srgb"));
 }
 
 }  // namespace

@@ -64,7 +64,8 @@ Pager::Pager(TileTable& table, const TileAvailability& contents, const TileTree&
       tree_(tree),
       options_(options),
       place_bytes_(bytes_of_a_place(contents)),
-      capacity_(options.cache_bytes - kTreeBytes - bytes_of_workers(contents, options.workers)),
+      all_bytes_(options.cache_bytes - kTreeBytes - bytes_of_workers(contents, options.workers)),
+      capacity_(all_bytes_),
       queue_(table, std::move(source), options.workers, contents.pack().header().tile_size) {
   assert(options.cache_bytes >= least_bytes(contents, options.workers));
   const CutNode& root = tree.node({kMinLevel, 0, 0}).best;
@@ -80,8 +81,12 @@ std::uint64_t Pager::target_bytes() const {
 }
 
 PagerChanges Pager::update(const PagerTarget& target, std::span<const ViewFrustum> views,
-                           Clock::time_point now) {
+                           Clock::time_point now, std::uint64_t model_bytes) {
   PagerChanges changes;
+  // What ground needs at least is not the models' to take.
+  const std::uint64_t capacity = all_bytes_ - std::min(model_bytes, all_bytes_ - kLeastPlaces * place_bytes_);
+  if (capacity != std::exchange(capacity_, capacity) && state_ == PagerState::complete)
+    state_ = PagerState::loading;
   if (target.version != target_version_) state_ = PagerState::replacing;
   target_version_ = target.version;
   changes.availability = receive(now);
@@ -117,6 +122,10 @@ bool Pager::note_failure(const IndexEntry& entry, const Error& error, Clock::tim
   if (table_.report(key)) {
     errors_.push_back(error);
     damaged_ += is_damaged;
+  }
+  if (entry.layer == Layer::objects) {  // nothing stands for them
+    if (!is_damaged) table_.set_failing(key, kShortestAbsence, now);
+    return true;
   }
   const bool is_root = entry.id.level == kMinLevel || !contents_.nearest(entry.layer, parent_of(entry.id));
   if (is_root && !is_damaged) return false;  // nothing can stand in for it: the queue goes on trying
@@ -227,17 +236,22 @@ void Pager::plan(const PagerTarget& target, std::span<const ViewFrustum> views) 
   held_bytes_ = 0;
   missing_.clear();
   table_.unpin_all();
-  const auto hold = [this](const IndexEntry& entry) { pin_or_request({&entry, 1}, capacity_); };
+  // What is drawn stays, though models have come into memory since it was chosen.
+  const auto hold = [this](const IndexEntry& entry) { pin_or_request({&entry, 1}, all_bytes_); };
   for (const CutNode& tile : drawn_) tile.for_each_source(hold);
   for (const IndexEntry& entry : last_drawn_) hold(entry);
+  // Objects in memory stay; those that are not there come after the ground that they stand on.
+  for (const IndexEntry& entry : target.objects) {
+    if (is_in_memory(table_.state(key_of(entry)))) hold(entry);
+  }
   std::vector<RankedChange> ranked;
   for (const CutChange& change : changes_) ranked.push_back(rank(change, target.cut, views));
   std::sort(ranked.begin(), ranked.end(),
             [](const RankedChange& a, const RankedChange& b) { return a.before(b); });
   for (const RankedChange& each : ranked) admit(each.change, target.cut);
-  for (const IndexEntry& entry : target.ahead) {
-    pin_or_request({&entry, 1}, capacity_ - kSparePlaces * place_bytes_);
-  }
+  const std::uint64_t spared = capacity_ - kSparePlaces * place_bytes_;
+  for (const IndexEntry& entry : target.objects) pin_or_request({&entry, 1}, spared);
+  for (const IndexEntry& entry : target.ahead) pin_or_request({&entry, 1}, spared);
 }
 
 void Pager::admit(const CutChange& change, const TileCut& target) {

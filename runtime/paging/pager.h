@@ -22,9 +22,11 @@ struct PagerOptions {
 
 /// What is to be drawn, and what may be needed next, after all that is.
 struct PagerTarget {
-  TileCut cut;                    ///< its tiles have Pager::target_bytes() at most, or no coarser ones have
-  std::vector<IndexEntry> ahead;  ///< in any order
-  std::uint64_t version = 0;      ///< grows with every change
+  TileCut cut;                      ///< its tiles have Pager::target_bytes() at most, or no coarser ones have
+  std::vector<IndexEntry> objects;  ///< tiles of Layer::objects, the most needed first; they may be drawn
+                                    ///< beside any cut, and whatever else there is of them
+  std::vector<IndexEntry> ahead;    ///< in any order
+  std::uint64_t version = 0;        ///< grows with every change
 };
 
 /// What an update changed.
@@ -69,8 +71,9 @@ class Pager {
   std::uint64_t target_bytes() const;
 
   /// Takes in what was loaded, replaces what can be replaced, and asks for what is missing. Never waits. Call
-  /// it once per frame.
-  PagerChanges update(const PagerTarget& target, std::span<const ViewFrustum> views, Clock::time_point now);
+  /// it once per frame. `model_bytes` of the budget are taken by models of objects.
+  PagerChanges update(const PagerTarget& target, std::span<const ViewFrustum> views, Clock::time_point now,
+                      std::uint64_t model_bytes = 0);
 
   /// Covers the Earth; each tile's data is in memory. At first the root, which shows nothing.
   const TileCut& drawn() const { return drawn_; }
@@ -102,7 +105,8 @@ class Pager {
   const TileTree& tree_;
   const PagerOptions options_;
   const std::uint64_t place_bytes_;  // of the tiles of one area at most
-  const std::uint64_t capacity_;     // of what is in memory and of what is under way
+  const std::uint64_t all_bytes_;    // for what is in memory and what is under way, models included
+  std::uint64_t capacity_;           // of these, without the models
 
   TileCut drawn_;
   std::vector<IndexEntry> last_drawn_;  // what the last update showed, if that was another cut

@@ -22,6 +22,10 @@ LoadedTile loaded(TextureTile tile) {
   return {nullptr, std::make_shared<const TextureTile>(std::move(tile))};
 }
 
+LoadedTile loaded(ObjectTile tile) {
+  return {nullptr, nullptr, std::make_shared<const ObjectTile>(std::move(tile))};
+}
+
 /// The colour of a constant tile is the index's: R, G, B, A from the lowest byte.
 TextureTile solid_texture(std::uint32_t rgba, int size) {
   TextureTile tile{TextureFormat::bc3, size, {}};
@@ -40,6 +44,7 @@ LoadedTile constant_tile(const IndexEntry& entry, int tile_size) {
   if (entry.layer == Layer::imagery) {
     return loaded(solid_texture(static_cast<std::uint32_t>(entry.min_quanta), tile_size - 1));
   }
+  if (entry.layer == Layer::objects) return loaded(ObjectTile());
   const auto side = static_cast<std::size_t>(tile_size);
   return loaded(HeightTile{tile_size, std::vector<std::int32_t>(side * side, entry.min_quanta), {}});
 }
@@ -76,9 +81,21 @@ Status check_texture(const IndexEntry& entry, const TextureTile* tile, int size)
       std::to_string(tile->texels.size()) + " of a texture of size " + std::to_string(tile->size));
 }
 
+Status check_objects(const IndexEntry& entry, const LoadedTile& tile) {
+  if (!tile.objects && !tile.standing) return wrong_tile(entry, "objects", "none");
+  const std::size_t objects = tile.objects ? tile.objects->objects.size() : tile.standing->all().size();
+  if (std::cmp_equal(objects, entry.min_quanta)) return {};
+  return wrong_tile(entry, std::to_string(entry.min_quanta) + " objects", std::to_string(objects));
+}
+
 Result<LoadedTile> decode_block(const IndexEntry& entry, std::span<const std::byte> block, int tile_size) {
   if (entry.layer == Layer::imagery) {
     Result<TextureTile> tile = decode_texture_block(block, tile_size - 1);
+    if (!tile) return Error{tile.error().code, place_of(entry) + tile.error().message};
+    return loaded(std::move(*tile));
+  }
+  if (entry.layer == Layer::objects) {
+    Result<ObjectTile> tile = decode_object_block(block);
     if (!tile) return Error{tile.error().code, place_of(entry) + tile.error().message};
     return loaded(std::move(*tile));
   }
@@ -110,6 +127,7 @@ Result<LoadedTile> decode_tile(const IndexEntry& entry, std::span<const std::byt
 }
 
 Status check_tile(const IndexEntry& entry, const LoadedTile& tile, int tile_size) {
+  if (entry.layer == Layer::objects) return check_objects(entry, tile);
   return entry.layer == Layer::imagery ? check_texture(entry, tile.texture.get(), tile_size - 1)
                                        : check_heights(entry, tile.heights.get(), tile_size);
 }

@@ -26,7 +26,8 @@ TileAvailability::TileAvailability(std::shared_ptr<const PackReader> pack, const
     : pack_(std::move(pack)),
       table_(table),
       heights_(pack_->levels(Layer::heights)),
-      imagery_(pack_->levels(Layer::imagery)) {
+      imagery_(pack_->levels(Layer::imagery)),
+      objects_(pack_->levels(Layer::objects)) {
   for (const IndexEntry& tile : coarsest_tiles(*pack_, Layer::heights)) {
     // A finer tile may go below its ancestor by the ancestor's error.
     const double error = static_cast<double>(tile.geometric_error_m);

@@ -18,6 +18,7 @@ class TileAvailability {
   explicit TileAvailability(std::shared_ptr<const PackReader> pack, const TileTable* table = nullptr);
 
   const PackReader& pack() const { return *pack_; }
+  const std::shared_ptr<const PackReader>& shared_pack() const { return pack_; }
   bool has_imagery() const { return imagery_.has_value(); }
   /// Over the layers that are drawn; -9 and -9 where the pack is empty.
   PackReader::LevelRange levels() const;
@@ -41,7 +42,7 @@ class TileAvailability {
 
  private:
   const std::optional<PackReader::LevelRange>& range(Layer layer) const {
-    return layer == Layer::heights ? heights_ : imagery_;
+    return layer == Layer::heights ? heights_ : layer == Layer::objects ? objects_ : imagery_;
   }
   void note_ancestors(TileId id);
 
@@ -49,6 +50,7 @@ class TileAvailability {
   const TileTable* table_;
   std::optional<PackReader::LevelRange> heights_;
   std::optional<PackReader::LevelRange> imagery_;
+  std::optional<PackReader::LevelRange> objects_;
   std::unordered_set<TileId> above_;  // the ancestors of the coarsest tiles, which the pack does not have
   double lowest_m_ = 0;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
 #include "runtime/surface/area_sphere.h"
@@ -36,6 +37,7 @@ class Splitter {
         from_(from),
         budget_(budget),
         cull_(rules.cull),
+        eye_(camera_frame(rules.view).position),
         ellipsoid_(rules.view.ellipsoid),
         surface_(ShownSurface::of(area.surface, area.detail)),
         out_(out) {}
@@ -45,9 +47,8 @@ class Splitter {
     SurfacePatch patch{area, from_, surface_, 0, 0, 0, ellipsoid_};
     const int samples_log2 = patch.sample_cells_log2();
     const SquareSphere sphere = sphere_of(patch, samples_log2);
-    if (cull_ &&
-        !budget_.may_be_visible(surface_.tile ? sphere : sphere_around(area, 0, kHighest_m, ellipsoid_)))
-      return;
+    if (cull_ && !may_be_visible(area, sphere)) return;
+    patch.distance_m = std::max(0.0, glm::distance(sphere.centre, eye_) - sphere.radius_m);
     if (samples_log2 > kPatchCellsLog2) return split(area);
     const ScreenErrorBudget::ProjectedScale scale = budget_.scale_of(sphere);
     const bool is_near = scale.depth_m <= 0 || sphere.radius_m > kSmall * scale.depth_m;
@@ -73,6 +74,12 @@ class Splitter {
   }
 
  private:
+  bool may_be_visible(const TileId& area, const SquareSphere& ground) const {
+    SquareSphere all = surface_.tile ? ground : sphere_around(area, 0, kHighest_m, ellipsoid_);
+    all.radius_m += area_.reach_m;
+    return budget_.may_be_visible(all);
+  }
+
   /// Around the patch's ground. The tile has spheres of larger squares only.
   static SquareSphere sphere_of(const SurfacePatch& patch, int samples_log2) {
     if (!patch.surface.tile) return sphere_around(patch.area, 0, 0, patch.ellipsoid);
@@ -108,6 +115,7 @@ class Splitter {
   std::size_t from_;
   const ScreenErrorBudget& budget_;
   bool cull_;
+  glm::dvec3 eye_;
   Ellipsoid ellipsoid_;
   ShownSurface surface_;
   std::vector<SurfacePatch>& out_;

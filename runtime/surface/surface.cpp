@@ -10,7 +10,11 @@
 #include "runtime/surface/drawn_ground.h"
 #include "runtime/surface/height_preparation.h"
 #include "runtime/surface/lod_transition.h"
+#include "runtime/surface/object_instances.h"
+#include "runtime/surface/object_pick.h"
+#include "runtime/surface/object_reach.h"
 #include "runtime/surface/surface_plan.h"
+#include "runtime/view/view_frustum.h"
 
 namespace cairn {
 namespace {
@@ -33,6 +37,7 @@ struct Surface::State {
   LodTransition shown;
   std::unordered_map<TileId, SurfaceTile> tiles;
   std::vector<TileKey> evicted;  // and shown on, as far as is known
+  ObjectArrivals arrivals;
   SurfaceMesher mesher{helping_threads()};
   SurfaceFrame frame;
 
@@ -53,8 +58,8 @@ const SurfaceTile* Surface::State::tile_of(const RenderTile& tile) {
 void Surface::State::note_evicted(const std::vector<TileKey>& keys) {
   for (const TileKey& key : keys) {
     if (key.layer == Layer::heights) prepared->forget(key.id);
+    if (key.layer != Layer::objects) evicted.push_back(key);
   }
-  evicted.insert(evicted.end(), keys.begin(), keys.end());
 }
 
 void Surface::State::release_unused() {
@@ -105,17 +110,29 @@ const SurfaceFrame& Surface::frame(const RenderList& list, const SurfaceView& vi
   s.note_evicted(list.evicted);
   s.release_unused();
   // 2. Their areas.
+  std::vector<std::shared_ptr<const LoadedObjects>> objects = list.objects;
+  objects.insert(objects.end(), view.added.begin(), view.added.end());
+  const ObjectReach reach(objects);
+  const ViewFrustum frustum(eye, Occluder(list.lowest_m, s.ellipsoid));
   std::vector<SurfaceArea> areas;
   for (const ShownTile& each : s.shown.tiles()) {
+    const double reach_m = reach.of(each.tile.area);
     // Where there are no heights, what ends there may be seen though the ground is not: its walls are drawn
     // with it.
-    if (!each.tile.visible && each.tile.heights) continue;
+    const bool counts = each.tile.visible || !each.tile.heights ||
+                        (reach_m > 0 && frustum.sees(grown(each.tile.volume, reach_m)));
+    if (!counts) continue;
     areas.push_back({each.tile.area, s.tile_of(each.tile), each.detail, each.moves,
-                     static_cast<double>(each.tile.finer_error_m)});
+                     static_cast<double>(each.tile.finer_error_m), reach_m});
     s.frame.tiles.push_back(&each.tile);
   }
   // 3. Patches, and the triangles of those that are new.
-  s.frame.mesh = s.mesher.frame(areas, {eye, view.tolerance_px, std::min(list.lowest_m, 0.0), true});
+  s.frame.mesh = s.mesher.frame(areas, {eye, view.tolerance_px, std::min(list.lowest_m, 0.0), true},
+                                {objects, s.quantum_m, view.object_px});
+  // 4. What stands on them.
+  s.arrivals.update(list.objects, view.frame_s);
+  s.frame.objects =
+      object_instances(s.mesher.object_patches(), s.arrivals, {eye, view.tolerance_px / 2, view.object_px});
   return s.frame;
 }
 
@@ -125,6 +142,11 @@ void Surface::skip(const RenderList& list) {
 
 void Surface::cut() {
   state_->shown.cut();
+  state_->arrivals.cut();
+}
+
+std::optional<ObjectHit> Surface::pick(const glm::dvec3& origin, const glm::dvec3& direction) const {
+  return pick_object(state_->mesher.object_patches(), state_->ellipsoid, origin, direction);
 }
 
 std::optional<double> Surface::ground_m(LonLat place) const {

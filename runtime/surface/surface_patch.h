@@ -18,6 +18,7 @@ struct SurfaceArea {
                                          ///< the tolerance
   double error_m = 0;                    ///< how far finer heights may lie from the tile's own surface: the
                                          ///< mesh leaves room for it
+  double reach_m = 0;  ///< how far objects reach from their feet: ground so near the picture counts as seen
 };
 
 /// The most cells along a patch's side, log2: what one patch draws.
@@ -33,6 +34,7 @@ struct SurfacePatch {
   int forced_log2 = 0;  ///< every vertex is there whose distance to the next of its kind is 2^-forced_log2 of
                         ///< a side or more: what the body's curvature asks for
   Ellipsoid ellipsoid = {};
+  double distance_m = 0;  ///< from the eye to its ground, at least
 
   int cells() const { return 1 << cells_log2; }
   /// log2 of the tile's own cells along a side; negative where the patch is a part of a cell.

@@ -1,8 +1,11 @@
 #include "runtime/surface/surface_plan.h"
 
+#include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "runtime/surface/patch_mesh.h"
+#include "runtime/surface/patch_neighbours.h"
 #include "runtime/surface/rim_walls.h"
 
 namespace cairn {
@@ -55,7 +58,92 @@ void SurfaceMesher::make(const SurfacePlan& plan, std::span<const std::pair<std:
   }
 }
 
+namespace {
+
+/// Tiles of objects by their ids.
+class ObjectTiles {
+ public:
+  using Tile = std::shared_ptr<const LoadedObjects>;
+
+  explicit ObjectTiles(std::span<const Tile> tiles) {
+    for (const Tile& tile : tiles) {
+      by_id_[tile->tile()].push_back(&tile);
+      coarsest_ = std::min(coarsest_, tile->tile().level);
+    }
+  }
+
+  /// Calls use(tile) for each tile that covers the area and is coarser or of its level.
+  template <class Use>
+  void for_each_above(TileId area, Use use) const {
+    for (; area.level >= coarsest_; area = parent_of(area)) {
+      if (const auto found = by_id_.find(area); found != by_id_.end()) {
+        for (const Tile* tile : found->second) use(*tile);
+      }
+      if (area.level == kMinLevel) return;
+    }
+  }
+
+ private:
+  std::unordered_map<TileId, std::vector<const Tile*>> by_id_;
+  int coarsest_ = kMaxLevel + 1;
+};
+
+}  // namespace
+
+/// Finds the feet of the objects in each patch that has some, where that was not done for an earlier frame.
+void SurfaceMesher::place_objects(const ObjectScene& scene, const SurfaceRules& rules,
+                                  const SurfacePlan& plan, std::span<Kept* const> shown) {
+  if (scene.tiles.empty()) return;
+  struct Work {
+    std::size_t patch;
+    std::size_t kept;  // of Kept::feet
+    std::span<const StandingObject> standing;
+    bool is_fresh;
+  };
+  const double pixels_per_radian = 1 / pixel_footprint_m(rules.view, 1);
+  const auto& patches = plan.partition.patches;
+  std::vector<Work> work;
+  const auto add = [&](std::size_t i, const std::shared_ptr<const LoadedObjects>& tile,
+                       std::span<const StandingObject> standing) {
+    if (standing.empty()) return;
+    const double largest_m = static_cast<double>(tile->largest_m());
+    if (largest_m * pixels_per_radian < scene.smallest_px * patches[i].distance_m) return;
+    std::vector<KeptFeet>& feet = shown[i]->feet;
+    const auto known =
+        std::find_if(feet.begin(), feet.end(), [&](const KeptFeet& k) { return k.objects == tile; });
+    const auto at = static_cast<std::size_t>(known - feet.begin());
+    const bool is_fresh = known == feet.end();
+    if (is_fresh) feet.push_back({tile, {}, frame_});
+    feet[at].used = frame_;
+    work.push_back({i, at, standing, is_fresh});
+  };
+  const ObjectTiles by_id(scene.tiles);
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    by_id.for_each_above(patches[i].area,
+                         [&](const auto& tile) { add(i, tile, tile->inside(patches[i].area)); });
+  }
+  const PatchIndex index(patches);
+  for (const auto& tile : scene.tiles) {
+    const std::optional<std::size_t> patch = index.covering(tile->tile());
+    if (patch && patches[*patch].area != tile->tile()) add(*patch, tile, tile->all());
+  }
+  workers_->run(work.size(), [&](std::size_t k) {
+    const Work& item = work[k];
+    if (!item.is_fresh) return;
+    KeptFeet& kept = shown[item.patch]->feet[item.kept];
+    kept.feet = object_feet(patches[item.patch], plan.joints.sides[item.patch], scene.quantum_m,
+                            kept.objects->tile(), item.standing);
+  });
+  for (const Work& item : work) {
+    const KeptFeet& kept = shown[item.patch]->feet[item.kept];
+    object_patches_.push_back(
+        {kept.objects.get(), item.standing, kept.feet, patches[item.patch].surface.coarser_share()});
+  }
+}
+
 void SurfaceMesher::drop_unused() {
+  for (auto& [key, kept] : kept_)
+    std::erase_if(kept.feet, [&](const KeptFeet& feet) { return feet.used + kKeptFrames < frame_; });
   std::erase_if(kept_, [&](const auto& item) {
     const Kept& kept = item.second;
     if (kept.used + kKeptFrames >= frame_) return false;
@@ -65,9 +153,11 @@ void SurfaceMesher::drop_unused() {
   });
 }
 
-SurfaceMesh SurfaceMesher::frame(std::span<const SurfaceArea> areas, const SurfaceRules& rules) {
+SurfaceMesh SurfaceMesher::frame(std::span<const SurfaceArea> areas, const SurfaceRules& rules,
+                                 const ObjectScene& objects) {
   ++frame_;
   mesh_ = {};
+  object_patches_.clear();
   const SurfacePlan plan = plan_surface(areas, rules);
   const auto& patches = plan.partition.patches;
   std::vector<Kept*> shown;
@@ -88,6 +178,7 @@ SurfaceMesh SurfaceMesher::frame(std::span<const SurfaceArea> areas, const Surfa
                            kept.indices});
     mesh_.triangles += kept.indices / 3;
   }
+  place_objects(objects, rules, plan, shown);
   append_walls(plan.partition, plan.joints, mesh_.walls);
   mesh_.triangles += mesh_.walls.indices.size() / 3;
   if (frame_ % kFramesPerDrop == 0) drop_unused();

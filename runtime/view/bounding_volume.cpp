@@ -115,4 +115,13 @@ BoundingVolume bounding_volume(const GeoBounds& area, double min_m, double max_m
   return volume;
 }
 
+BoundingVolume grown(BoundingVolume volume, double metres) {
+  for (glm::dvec3& axis : volume.half_axes) {
+    const double length = glm::length(axis);
+    if (length > 0) axis *= 1 + metres / length;
+  }
+  volume.horizon_point.reset();
+  return volume;
+}
+
 }  // namespace cairn

@@ -79,7 +79,7 @@ class FlightRun {
     if (!options_.stats.empty()) {
       stats_.open(options_.stats, std::ios::trunc);
       stats_ << "frame,update_ms,draw_ms,upload_ms,patches,triangles,uploads,gpu_bytes,resident_bytes,"
-                "complete,error_px,texel_px,gpu_ms\n";
+                "complete,error_px,texel_px,gpu_ms,objects,billboards,object_calls,object_triangles,models\n";
     }
     if (options_.video.empty()) return {};
     Result<VideoPipe> pipe =
@@ -111,7 +111,8 @@ class FlightRun {
              << ',' << scene_.terrain().stats().resident_bytes << ',' << scene_.list()->is_complete << ','
              << scene_.list()->error_px << ',' << scene_.list()->texel_px << ',';
       if (counts.gpu_ms) stats_ << *counts.gpu_ms;
-      stats_ << '\n';
+      stats_ << ',' << counts.objects << ',' << counts.billboards << ',' << counts.object_calls << ','
+             << counts.object_triangles << ',' << scene_.terrain().stats().models_resident << '\n';
     }
     if (!keeps) return {};
     const gl::Picture picture = target_.read();

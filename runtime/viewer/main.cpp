@@ -44,6 +44,10 @@ void declare(CLI::App& app, cairn::viewer::Options& o) {
       "--method", o.method,
       "draw the mesh of this level-of-detail method, as cairn lab has them (default: the renderer's own)");
   app.add_option("--cache", o.cache_mib, "MiB of tiles in memory")->capture_default_str();
+  app.add_option("--object-size", o.object_px, "pixels: objects that are not larger are not drawn")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  app.add_flag("--no-objects", o.no_objects, "the ground only");
   app.add_option("--samples", o.samples, "samples per pixel, which smooth edges; 1 for none")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();

@@ -22,6 +22,8 @@ struct Options {
   double tolerance_px = 1;
   std::string method;  ///< of lod_methods(); empty: the renderer's own mesh
   std::uint64_t cache_mib = 512;
+  double object_px = 2;
+  bool no_objects = false;
   int samples = 4;  ///< a pixel
   bool no_shadows = false;
   bool no_dither = false;

@@ -19,6 +19,7 @@ const char* const kKeysHelp =
     "R          begin or end recording a flight\n"
     "F1 F2 F3   this help, the panel, the scene map\n"
     "F4 F5 F6   wireframe, level colours, fog\n"
+    "F7         place and change objects\n"
     "F12        screenshot\n"
     "Esc        quit";
 
@@ -38,6 +39,14 @@ void draw_counters(const PanelState& state, const RenderList* list) {
               static_cast<double>(state.counts.gpu_bytes) / 1048576);
   ImGui::Text("%.1f MiB on the way, %llu tiles loaded", static_cast<double>(p.in_flight_bytes) / 1048576,
               static_cast<unsigned long long>(p.tiles_loaded));
+  if (p.models_loaded > 0) {
+    ImGui::Text("%zu objects, %zu as billboards, %zu calls, %zu triangles", state.counts.objects,
+                state.counts.billboards, state.counts.object_calls, state.counts.object_triangles);
+    ImGui::Text("%llu objects and %llu models in memory (%.1f MiB)",
+                static_cast<unsigned long long>(p.objects_resident),
+                static_cast<unsigned long long>(p.models_resident),
+                static_cast<double>(p.model_bytes) / 1048576);
+  }
   if (list) {
     ImGui::Text("showing %.1f px of error, texels of %.1f px%s", list->error_px, list->texel_px,
                 list->is_limited ? ", limited by the cache" : "");
@@ -85,6 +94,8 @@ bool draw_settings(PanelState& state, FrameLook& look) {
   ImGui::Checkbox("fog", &look.fog);
   ImGui::SameLine();
   ImGui::Checkbox("shadows", &look.shadows);
+  ImGui::SameLine();
+  ImGui::Checkbox("objects", &look.objects);
   float hour = static_cast<float>(state.hour), tolerance = static_cast<float>(look.tolerance_px);
   if (ImGui::SliderFloat("hour", &hour, 0, 24, "%.1f")) state.hour = static_cast<double>(hour);
   if (ImGui::SliderFloat("pixels of error", &tolerance, 0.1f, 20, "%.1f")) {
@@ -103,6 +114,42 @@ bool draw_settings(PanelState& state, FrameLook& look) {
 }
 
 }  // namespace
+
+void draw_object_editor(PanelState& state, ObjectEditor& editor) {
+  ImGui::SetNextWindowPos(ImVec2(300, 8), ImGuiCond_FirstUseEver);
+  ImGui::Begin("objects", &state.shows_objects, ImGuiWindowFlags_AlwaysAutoResize);
+  using Click = ObjectEditor::Click;
+  ImGui::TextUnformatted("a click");
+  for (const auto& [name, does] :
+       {std::pair("selects", Click::selects), {"places", Click::places}, {"moves", Click::moves}}) {
+    ImGui::SameLine();
+    if (ImGui::RadioButton(name, state.click == does)) state.click = does;
+  }
+  state.model = std::clamp(state.model, 0, static_cast<int>(editor.models().size()) - 1);
+  const auto name_of = [&](int i) { return editor.models()[static_cast<std::size_t>(i)]->name.c_str(); };
+  if (ImGui::BeginCombo("model", name_of(state.model))) {
+    for (int i = 0; i < static_cast<int>(editor.models().size()); ++i) {
+      ImGui::PushID(i);
+      if (ImGui::Selectable(name_of(i), i == state.model)) state.model = i;
+      ImGui::PopID();
+    }
+    ImGui::EndCombo();
+  }
+  if (const auto selected = editor.selected()) {
+    const Placement& placement = editor.edits().all()[*selected];
+    ImGui::Text("%s at %.6f, %.6f", placement.model.c_str(), placement.at.lon, placement.at.lat);
+    double heading = placement.heading_deg, scale = placement.scale;
+    const auto flags = ImGuiInputTextFlags_EnterReturnsTrue;
+    if (ImGui::InputDouble("heading", &heading, 5, 45, "%.1f", flags)) editor.turn(heading);
+    if (ImGui::InputDouble("scale", &scale, 0.05, 0.5, "%.2f", flags) && scale > 0) editor.scale(scale);
+    if (ImGui::Button("delete")) editor.remove();
+    ImGui::SameLine();
+  }
+  if (editor.edits().can_undo() && ImGui::Button("undo")) editor.undo();
+  ImGui::Text("%zu placed", editor.edits().all().size());
+  if (!editor.message().empty()) ImGui::TextWrapped("%s", editor.message().c_str());
+  ImGui::End();
+}
 
 std::optional<std::array<double, 3>> draw_panel(PanelState& state, FrameLook& look, const ViewState& view,
                                                 const RenderList* list) {

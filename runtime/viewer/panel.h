@@ -6,6 +6,7 @@
 
 #include "cairn/render_list.h"
 #include "runtime/paging/frame_stats.h"
+#include "runtime/viewer/object_editor.h"
 #include "runtime/viewer/scene.h"
 
 namespace cairn::viewer {
@@ -15,6 +16,7 @@ struct PanelState {
   bool shows_panel = true;
   bool shows_help = false;
   bool shows_map = true;
+  bool shows_objects = false;
   double hour = 10;
   std::string message;  ///< the latest error or what was just saved
 
@@ -22,8 +24,15 @@ struct PanelState {
   PagingStats paging;
   std::array<float, 240> frame_ms{};  ///< a ring
   int frame_index = 0;
+  ObjectEditor::Click click = ObjectEditor::Click::selects;  ///< what a click on the picture does
+  int model = 0;                                             ///< that a click places
+
   std::array<double, 3> go_to{};  ///< longitude, latitude, height, as typed
 };
+
+/// Draws what is done with objects, in a window of its own: which model, what a click does, the selected
+/// one's heading and scale.
+void draw_object_editor(PanelState& state, ObjectEditor& editor);
 
 /// Draws the panel, the help and the scene map with Dear ImGui, between its NewFrame and Render. Returns the
 /// place to go to when the user has asked for it: longitude, latitude, height.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <thread>
 #include <utility>
@@ -67,10 +68,20 @@ Result<Scene> Scene::open(const Options& options) {
   TerrainOptions terrain_options;
   terrain_options.cache_bytes = options.cache_mib << 20;
   terrain_options.tolerance_px = options.tolerance_px;
+  terrain_options.object_px =
+      options.no_objects ? std::numeric_limits<double>::infinity() : options.object_px;
   Result<Terrain> terrain = Terrain::open(pack, terrain_options, surface.preparing(read_from(pack)));
   if (!terrain) return terrain.error();
   Scene scene(std::move(pack), std::move(surface), std::move(*terrain), std::move(*renderer));
   scene.errors_ = missing_layers(options.pack.string(), *scene.pack_);
+  if (!is_remote(options.pack.string()) && scene.pack_->model_count() > 0 && !options.no_objects) {
+    Result<ObjectEditor> editor = ObjectEditor::open(scene.pack_);
+    if (editor) {
+      scene.editor_ = std::move(*editor);
+    } else {
+      scene.errors_.push_back(editor.error());
+    }
+  }
   return scene;
 }
 
@@ -96,7 +107,10 @@ SurfaceMesh Scene::method_mesh(const SurfaceFrame& frame, const ViewState& view,
 
 FrameCounts Scene::draw_list(const ViewState& view, const FrameLook& look, unsigned framebuffer) {
   if (look.method) surface_.cut();
-  const SurfaceFrame& frame = surface_.frame(*list_, {view, look.tolerance_px, look.frame_s});
+  SurfaceView shown_by{view, look.tolerance_px, look.frame_s, look.object_px};
+  if (editor_) shown_by.added = editor_->placed().tiles;
+  const SurfaceFrame& frame = surface_.frame(*list_, shown_by);
+  frame_ = &frame;
   FrameCounts counts;
   const double begin_s = thread_cpu_s();
   counts.uploads = renderer_.take(frame);
@@ -109,6 +123,7 @@ FrameCounts Scene::draw_list(const ViewState& view, const FrameLook& look, unsig
   GlLook shown = look;
   shown.sky = !look.hole_colour;
   shown.is_earth = pack_->header().body.is_earth();
+  shown.objects = look.objects && !look.method;  // they stand on the surface's own mesh
   if (!look.method) {
     method_info_ = nullptr;
     method_.reset();
@@ -165,6 +180,8 @@ Result<FrameLook> look_of(const Options& options) {
   look.level_colours = options.levels;
   look.draws = !options.no_draw;
   look.tolerance_px = options.tolerance_px;
+  look.object_px = options.object_px;
+  look.objects = !options.no_objects;
   if (!options.method.empty()) {
     look.method = lod_method(options.method);
     if (!look.method) return unknown_method(options.method);

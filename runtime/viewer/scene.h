@@ -12,6 +12,7 @@
 #include "runtime/gl/frame_target.h"
 #include "runtime/gl/renderer.h"
 #include "runtime/lod/lod_method.h"
+#include "runtime/viewer/object_editor.h"
 #include "runtime/viewer/options.h"
 
 namespace cairn::viewer {
@@ -21,6 +22,7 @@ struct FrameLook : GlLook {
   std::optional<glm::vec3> hole_colour;   ///< linear RGB: drawn where no terrain is, instead of the sky
   double frame_s = 1.0 / 60;              ///< since the last frame: the exchange of levels follows the clock
   double tolerance_px = 1;                ///< screen error of mesh and tiles together; > 0
+  double object_px = 2;                   ///< objects that are not larger are not drawn; > 0
   const LodMethodInfo* method = nullptr;  ///< draws a method's mesh instead of the surface: on one thread,
                                           ///< tiles exchanged at once, so for comparing pictures
   bool waits_for_shadows = false;         ///< draws when all shadows are there
@@ -59,6 +61,16 @@ class Scene {
   /// where nothing is. After the first update.
   double ground_m(LonLat place) const;
 
+  /// The nearest object of the last frame that a ray meets, as Surface::pick().
+  std::optional<ObjectHit> pick(const glm::dvec3& origin, const glm::dvec3& direction) const {
+    return surface_.pick(origin, direction);
+  }
+  /// The objects of the last frame.
+  const SurfaceObjects& objects() const { return frame_->objects; }
+
+  /// Of a local pack with models; else null.
+  ObjectEditor* editor() { return editor_ ? &*editor_ : nullptr; }
+
   const PackReader& pack() const { return *pack_; }
   const Terrain& terrain() const { return terrain_; }
   const RenderList* list() const { return list_; }
@@ -76,8 +88,10 @@ class Scene {
   gl::Renderer renderer_;
   std::unique_ptr<SunShadows> shadows_;  // from the first frame that has any
   const RenderList* list_ = nullptr;
+  const SurfaceFrame* frame_ = nullptr;         // the last one
   const LodMethodInfo* method_info_ = nullptr;  // of the method, which is kept from frame to frame
   std::unique_ptr<LodMethod> method_;
+  std::optional<ObjectEditor> editor_;
   std::vector<Error> errors_;
 };
 

@@ -40,6 +40,16 @@ bool shift_held() {
   return key_held(GLFW_KEY_LEFT_SHIFT) || key_held(GLFW_KEY_RIGHT_SHIFT);
 }
 
+std::optional<glm::dvec2> clicked() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (io.WantCaptureMouse || !ImGui::IsMouseReleased(ImGuiMouseButton_Left)) return std::nullopt;
+  constexpr float kDrag = 4;  // pixels
+  const float dx = io.MousePos.x - io.MouseClickedPos[0].x, dy = io.MousePos.y - io.MouseClickedPos[0].y;
+  if (std::hypot(dx, dy) > kDrag) return std::nullopt;
+  return glm::dvec2(static_cast<double>(io.MousePos.x / io.DisplaySize.x),
+                    static_cast<double>(io.MousePos.y / io.DisplaySize.y));
+}
+
 ControlInput read_controls(double dt_s) {
   const ImGuiIO& io = ImGui::GetIO();
   ControlInput input;

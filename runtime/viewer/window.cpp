@@ -92,6 +92,7 @@ class Session {
       messages_ << error.message << std::endl;
       panel_.message = error.message;
     }
+    if (ObjectEditor* editor = scene_.editor(); editor && panel_.shows_objects) edit(*editor);
     recorder_.add(view_, dt_s);
     if (takes_screenshot_) save_screenshot();
     show(size);
@@ -101,9 +102,14 @@ class Session {
   void handle_key(const KeyPress& press) {
     const auto toggles = {std::pair(GLFW_KEY_F1, &panel_.shows_help), {GLFW_KEY_F2, &panel_.shows_panel},
                           {GLFW_KEY_F3, &panel_.shows_map},           {GLFW_KEY_F4, &look_.wireframe},
-                          {GLFW_KEY_F5, &look_.level_colours},        {GLFW_KEY_F6, &look_.fog}};
+                          {GLFW_KEY_F5, &look_.level_colours},        {GLFW_KEY_F6, &look_.fog},
+                          {GLFW_KEY_F7, &panel_.shows_objects}};
     for (const auto& [key, flag] : toggles) {
       if (press.key == key) *flag = !*flag;
+    }
+    if (ObjectEditor* editor = scene_.editor(); editor && panel_.shows_objects) {
+      if (press.key == GLFW_KEY_DELETE) editor->remove();
+      if (press.key == GLFW_KEY_Z && key_held(GLFW_KEY_LEFT_CONTROL)) editor->undo();
     }
     if (press.key == GLFW_KEY_ESCAPE) glfwSetWindowShouldClose(display_.window(), GLFW_TRUE);
     if (press.key == GLFW_KEY_F12) takes_screenshot_ = true;
@@ -117,6 +123,20 @@ class Session {
       const double down = std::max(std::sin(-view_.pitch_deg * 3.14159265358979 / 180), 0.05);
       controls_.set_mode(orbits ? CameraMode::orbit : CameraMode::free, (view_.height_m - ground_m()) / down);
     }
+  }
+
+  /// What a click does, which is no drag, on the picture of this frame.
+  void edit(ObjectEditor& editor) {
+    if (const auto click = clicked()) {
+      ViewState view = view_;
+      view.ellipsoid = scene_.pack().header().body.shape;
+      const glm::dvec3 eye = camera_frame(view).position;
+      const glm::dvec3 direction =
+          direction_at(view, click->x * view_.viewport_width_px, click->y * view_.viewport_height_px);
+      editor.click(panel_.click, static_cast<std::uint16_t>(panel_.model), eye, direction,
+                   scene_.pick(eye, direction));
+    }
+    draw_object_editor(panel_, editor);
   }
 
   double ground_m() const { return scene_.list() ? scene_.ground_m(view_.eye) : 0; }

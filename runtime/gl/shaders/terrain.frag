@@ -27,6 +27,7 @@ layout(location = 7) flat in vec4 across[4];  // south, north, west, east
 layout(location = 0) out vec4 colour;
 
 #include "dither.glsl"
+#include "light.glsl"
 
 // Hypsometric tint, linear RGB: water at 0 and below, as the sea is 0 in most sources, then lowland green to snow.
 vec3 tint(float h) {
@@ -153,15 +154,6 @@ float sun_share() {
   return smoothstep(-0.267, 0.267, -rise);
 }
 
-// Air between the eye and here, as a share of what hides all: density falls off as exp(-height / 8 km).
-float haze(float distance) {
-  const float kScale = 8000.0, kPerMetre = 1.0 / 300000.0;
-  float a = max(eye_height, 0.0) / kScale, b = max(height, 0.0) / kScale;
-  float mean = abs(a - b) < 1e-3 ? exp(-a) : (exp(-min(a, b)) - exp(-max(a, b))) / abs(a - b);
-  // Above the air the straight line from eye to ground spends little of its length in it.
-  return 1.0 - exp(-kPerMetre * distance * mean);
-}
-
 void main() {
   vec3 up = normalize((eye_geocentric + from_eye) / (radii * radii));
   // Ground without heights is flat. Its underside shows through voids only, from beyond the horizon.
@@ -171,14 +163,6 @@ void main() {
   vec3 n = normal_east_north_up();
   vec3 normal = n.x * east + n.y * north + n.z * up;
 
-  // Without air the terminator is sharp, and what the sun does not reach is dark but for a trace.
-  bool earth = (look & 4u) != 0u;
-  float day = earth ? smoothstep(-0.12, 0.15, dot(up, to_sun)) : step(-0.02, dot(up, to_sun));
-  float sun = max(dot(normal, to_sun), 0.0) * day * sun_share();
-  float sky = 0.5 + 0.5 * dot(normal, up);
-  vec3 light = earth ? sun * vec3(1.12, 1.06, 0.95) + sky * (0.04 + 0.22 * day) * vec3(0.75, 0.9, 1.15)
-                     : vec3(1.4 * sun + 0.015);
-  vec3 lit = surface_colour(up) * light;
-  if ((look & 2u) != 0u) lit = mix(lit, vec3(0.44, 0.58, 0.78) * (0.03 + 0.97 * day), haze(length(from_eye)));
+  vec3 lit = lit_colour(surface_colour(up), normal, up, sun_share(), length(from_eye), height);
   colour = vec4((look & 8u) != 0u ? dithered(lit) : lit, 1.0);
 }

@@ -35,4 +35,7 @@ struct BoundingVolume {
 /// by that. Parts of the area beyond 180°E or a pole do not count. REQUIRES: min_m <= max_m.
 BoundingVolume bounding_volume(const GeoBounds& area, double min_m, double max_m, const Occluder& occluder);
 
+/// Returns a volume that encloses all that is no farther from this one, never hidden by the horizon.
+BoundingVolume grown(BoundingVolume volume, double metres);
+
 }  // namespace cairn

@@ -28,6 +28,7 @@ struct GlLook {
   /// Ground casts shadows, which are made on threads, tile by tile, when a tile is first shown and when the
   /// sun has moved. Until then a tile has none; GlCounts says how many.
   bool shadows = false;
+  bool objects = true;      ///< what stands on the ground is drawn too
   bool depth_only = false;  ///< no colour is written, and no sky
   bool wireframe = false;
   bool dithers = false;        ///< noise of a step of 8 bits, so that the sky shows no bands
@@ -52,6 +53,10 @@ struct GlCounts {
   std::size_t shadows_due = 0;   ///< tiles that show no shadow yet, or that of an earlier sun
   std::uint64_t gpu_bytes = 0;   ///< of textures and buffers
   std::optional<double> gpu_ms;  ///< of an earlier picture, the last that the GPU has finished; by its clock
+  std::size_t objects = 0;       ///< in the picture
+  std::size_t billboards = 0;    ///< of these, drawn as billboards
+  std::size_t object_calls = 0;  ///< draw calls: one for each model and level, or billboard
+  std::size_t object_triangles = 0;  ///< not in `triangles`
 };
 
 /// From metres relative to the eye, along the body's axes, to clip space; depth is 5 cm / distance: 1 at the

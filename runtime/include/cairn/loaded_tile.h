@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "cairn/height_tile.h"
+#include "cairn/loaded_objects.h"
 #include "cairn/pack_layout.h"
 #include "cairn/texture_tile.h"
 
@@ -25,8 +26,11 @@ inline TileKey key_of(const IndexEntry& entry) {
 
 /// A decoded tile. Immutable: any thread may read it for as long as it keeps the pointer.
 struct LoadedTile {
-  std::shared_ptr<const HeightTile> heights;   ///< of Layer::heights, else null
-  std::shared_ptr<const TextureTile> texture;  ///< of Layer::imagery, else null
+  std::shared_ptr<const HeightTile> heights;            ///< of Layer::heights, else null
+  std::shared_ptr<const TextureTile> texture;           ///< of Layer::imagery, else null
+  std::shared_ptr<const ObjectTile> objects = nullptr;  ///< of Layer::objects as read, else null
+  /// Of Layer::objects with the models, which the Terrain adds; then `objects` is null.
+  std::shared_ptr<const LoadedObjects> standing = nullptr;
 
   /// Returns the bytes of memory that its vectors have allocated.
   std::uint64_t bytes() const;

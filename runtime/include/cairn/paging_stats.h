@@ -31,7 +31,11 @@ struct PagingStats {
   std::uint64_t holes = 0;            ///< drawn tiles without the data that the pack has for them; must be 0
   std::uint64_t resident_bytes = 0;   ///< now
   std::uint64_t in_flight_bytes = 0;  ///< now: what the requests under way will need at most
-  Summary latency_ms;                 ///< from the first plan that needed a tile to its delivery
+  std::uint64_t objects_resident = 0;  ///< now: in the tiles of objects that are listed
+  std::uint64_t models_resident = 0;   ///< now; each model is in memory once
+  std::uint64_t model_bytes = 0;       ///< of these
+  std::uint64_t models_loaded = 0;     ///< reads of a model
+  Summary latency_ms;                  ///< from the first plan that needed a tile to its delivery
 };
 
 }  // namespace cairn

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cairn/bounding_volume.h"
+#include "cairn/loaded_objects.h"
 #include "cairn/loaded_tile.h"
 #include "cairn/status.h"
 
@@ -28,6 +29,9 @@ struct RenderTile {
 /// The tiles to draw in a frame. With the invisible ones they cover the Earth, each place once.
 struct RenderList {
   std::vector<RenderTile> tiles;
+  /// The tiles of objects that are in memory and have some that are large enough to be drawn. An object is in
+  /// one tile only, whatever tile of heights is drawn where it stands.
+  std::vector<std::shared_ptr<const LoadedObjects>> objects;
   std::uint64_t version = 0;  ///< unchanged if the areas and their data are those of the list before
   bool is_complete = false;   ///< these are the tiles that the views need, and all could be read
   bool is_settled = false;  ///< nothing changes while the cameras rest: complete, or the rest cannot be read

@@ -7,14 +7,17 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include "cairn/pack_layout.h"
 #include "cairn/read_tile.h"
 #include "cairn/render_list.h"
 #include "cairn/surface_mesh.h"
+#include "cairn/surface_objects.h"
 #include "cairn/view_state.h"
 
 namespace cairn {
@@ -48,15 +51,27 @@ struct SurfaceView {
   ViewState view;
   double tolerance_px = 1;    ///< screen error of mesh and tiles together, as TerrainOptions has it; > 0
   double frame_s = 1.0 / 60;  ///< since the last frame: what is exchanged glides with the clock
+  double object_px = 2;       ///< objects that are not larger are not drawn, as TerrainOptions has it; > 0
+  std::span<const std::shared_ptr<const LoadedObjects>> added = {};  ///< objects beside those of the list
 };
 
 /// One frame. Its buffers' rules are those of SurfaceMesh; it holds until the next call of Surface::frame().
 struct SurfaceFrame {
   SurfaceMesh mesh;
+  SurfaceObjects objects;  ///< they stand on the mesh
   /// What SurfaceDraw::tile numbers. Those of a frame that glide are of older lists, kept alive here.
   std::vector<const RenderTile*> tiles;
   std::vector<SurfaceTextures> fresh;  ///< of tiles that no frame since their release has shown
   std::vector<TileKey> released;       ///< tiles that are shown no more and no longer in memory
+};
+
+/// An object that a ray meets.
+struct ObjectHit {
+  TileId tile;
+  PlacedObject object;
+  std::shared_ptr<const ObjectModel> model;
+  glm::dvec3 foot{0};     ///< geocentric metres, as it was drawn
+  double distance_m = 0;  ///< along the ray
 };
 
 /// The surface of one pack for one eye: closed over tiles of any levels, missing tiles, the poles and ±180°,
@@ -92,6 +107,10 @@ class Surface {
   /// The height of the ground at a place as the last frame drew it, but for the tolerance; nullopt where
   /// there is none.
   std::optional<double> ground_m(LonLat place) const;
+
+  /// Returns the nearest object of the last frame whose model a ray meets, the billboards of images apart;
+  /// nullopt where it meets none. Both are geocentric, in metres; the direction is of any length but 0.
+  std::optional<ObjectHit> pick(const glm::dvec3& origin, const glm::dvec3& direction) const;
 
  private:
   struct State;

@@ -24,6 +24,7 @@ struct TerrainOptions {
   double tolerance_px = 1;  ///< the screen error that a program allows: tiles take half of it at most, and
                             ///< leave the rest to its mesh; infinite for none
   double texel_px = 1;      ///< the width that texels may have on the screen where the pack has finer ones
+  double object_px = 2;     ///< objects that are not larger on the screen are not loaded; infinite for none
   RefinementPattern pattern =
       RefinementPattern::restricted;  ///< not nine or window, which leave most of the Earth bare
   double tile_margin = 0.125;         ///< hysteresis in tiles, below 1; 0 for none
@@ -42,8 +43,9 @@ struct TerrainOptions {
 /// from the pack's finest heights than half of tolerance_px, and no texel is wider than texel_px where the
 /// pack has finer ones. Tiles that touch in a view show heights at most two levels apart, as far as the pack
 /// has finer ones. Around a camera, in the ring that `pattern` names, tiles outside the view are held ready
-/// at sixteen times these limits. Where the byte budget does not allow that, the worst place is made as good
-/// as it can be; RenderList says how good.
+/// at sixteen times these limits. Objects are loaded where one may be larger in a view than object_px; they
+/// take a quarter of the budget at most, and their models count too. Where the byte budget does not allow
+/// that, the worst place is made as good as it can be; RenderList says how good.
 ///
 /// Threads: a Terrain belongs to one thread, usually the one that renders. docs/runtime-threads.md has the
 /// rules.

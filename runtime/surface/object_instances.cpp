@@ -1,0 +1,165 @@
+#include "runtime/surface/object_instances.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+namespace cairn {
+namespace {
+
+constexpr float kArrival_s = 0.5F;
+constexpr float kFadeRatio = 1.5F;        // from nothing to all of an object
+constexpr float kBillboardRatio = 1.25F;  // from all of the billboard to none
+// Seen from above the side of a model is no picture of it.
+constexpr float kSteepest = 0.7F;  // sine of the eye's elevation
+
+/// A model in a frame: its draws' instances, billboards first.
+struct ModelUse {
+  std::shared_ptr<const ObjectModel> model;
+  std::vector<std::vector<ObjectInstance>> by_level;  // the last is the billboard's
+  float billboard_px = 0;                             // the height that a view of the billboard has in texels
+
+  explicit ModelUse(std::shared_ptr<const ObjectModel> used)
+      : model(std::move(used)), by_level(model->levels.size() + 1) {
+    const int rows = model->billboard_views == kBillboardViews ? 2 : 1;
+    billboard_px = static_cast<float>(model->billboard.size) / static_cast<float>(rows);
+  }
+};
+
+class Chooser {
+ public:
+  Chooser(const ObjectArrivals& arrivals, const ObjectRules& rules)
+      : arrivals_(arrivals),
+        camera_(camera_frame(rules.view)),
+        pixels_per_radian_(static_cast<float>(1 / pixel_footprint_m(rules.view, 1))),
+        smallest_px_(static_cast<float>(rules.smallest_px)),
+        error_px_(static_cast<float>(rules.error_px)) {
+    const std::array<glm::dvec3, 5> normals = inward_normals(camera_, rules.view);
+    for (std::size_t i = 0; i < normals.size(); ++i) inward_[i] = glm::vec3(normals[i]);
+  }
+
+  void add(const ObjectPatch& patch) {
+    const float share = arrivals_.share_of(*patch.objects);
+    if (share <= 0) return;
+    std::vector<std::size_t>& uses = uses_of(*patch.objects);
+    for (std::size_t i = 0; i < patch.feet.size(); ++i) {
+      const StandingObject& object = patch.standing[i];
+      const ObjectFoot& foot = patch.feet[i];
+      const glm::vec3 from_eye =
+          glm::vec3(foot.place - camera_.position) + foot.to_coarser * patch.coarser_share;
+      if (!in_picture(from_eye, object.reach_m())) continue;
+      const float distance = glm::length(from_eye);
+      const float px_per_m = pixels_per_radian_ / std::max(distance, 1e-3F);
+      const float size_px = object.size_m * px_per_m;
+      if (size_px <= smallest_px_) continue;
+      const float fade = share * std::min((size_px / smallest_px_ - 1) / (kFadeRatio - 1), 1.0F);
+      const auto scale = static_cast<float>(object.placed.scale_factor());
+      const ObjectInstance instance{from_eye, scale, foot.heading, {0, fade}};
+      const float elevation = -glm::dot(from_eye, up_of(foot.place)) / std::max(distance, 1e-3F);
+      choose(all_[uses[object.slot]], instance, size_px, px_per_m * scale, elevation);
+    }
+  }
+
+  SurfaceObjects take() {
+    SurfaceObjects out;
+    out.objects = objects_;
+    out.billboards = billboards_;
+    for (const ModelUse& use : all_) {
+      for (std::size_t level = 0; level < use.by_level.size(); ++level) {
+        const std::vector<ObjectInstance>& instances = use.by_level[level];
+        if (instances.empty()) continue;
+        const bool is_billboard = level == use.model->levels.size();
+        out.draws.push_back({use.model, is_billboard ? ObjectDraw::kBillboard : static_cast<int>(level),
+                             static_cast<std::uint32_t>(out.instances.size()),
+                             static_cast<std::uint32_t>(instances.size())});
+        out.instances.insert(out.instances.end(), instances.begin(), instances.end());
+        out.triangles += instances.size() * (is_billboard ? 2 : use.model->levels[level].count / 3);
+      }
+    }
+    return out;
+  }
+
+ private:
+  bool in_picture(const glm::vec3& from_eye, float reach_m) const {
+    return std::all_of(inward_.begin(), inward_.end(),
+                       [&](const glm::vec3& normal) { return glm::dot(from_eye, normal) >= -reach_m; });
+  }
+
+  static glm::vec3 up_of(const glm::dvec3& place) { return glm::vec3(glm::normalize(place)); }
+
+  std::vector<std::size_t>& uses_of(const LoadedObjects& tile) {
+    std::vector<std::size_t>& uses = tile_uses_[&tile];
+    if (!uses.empty()) return uses;
+    for (const auto& model : tile.models()) {
+      const auto [known, fresh] = numbers_.try_emplace(model.get(), all_.size());
+      if (fresh) all_.emplace_back(model);
+      uses.push_back(known->second);
+    }
+    return uses;
+  }
+
+  void choose(ModelUse& use, ObjectInstance instance, float size_px, float px_per_model_m, float elevation) {
+    ++objects_;
+    const auto& levels = use.model->levels;
+    // How much of it is the billboard.
+    float far = levels.empty() ? 1 : 0;
+    if (!levels.empty() && elevation < kSteepest) {
+      const float above = size_px / use.billboard_px - 1;
+      far = std::clamp(1 - above / (kBillboardRatio - 1), 0.0F, 1.0F);
+    }
+    billboards_ += far > 0;
+    const float all = instance.shown.y;
+    if (far > 0) {
+      ObjectInstance billboard = instance;
+      billboard.shown.x = all * (1 - far);
+      use.by_level.back().push_back(billboard);
+    }
+    if (far >= 1) return;
+    instance.shown.y = all * (1 - far);
+    std::size_t level = levels.size() - 1;
+    while (level > 0 && levels[level].error_m * px_per_model_m > error_px_) --level;
+    use.by_level[level].push_back(instance);
+  }
+
+  const ObjectArrivals& arrivals_;
+  CameraFrame camera_;
+  std::array<glm::vec3, 5> inward_{};
+  float pixels_per_radian_;
+  float smallest_px_;
+  float error_px_;
+  std::vector<ModelUse> all_;
+  std::unordered_map<const ObjectModel*, std::size_t> numbers_;
+  std::unordered_map<const LoadedObjects*, std::vector<std::size_t>> tile_uses_;
+  std::size_t objects_ = 0;
+  std::size_t billboards_ = 0;
+};
+
+}  // namespace
+
+void ObjectArrivals::update(std::span<const std::shared_ptr<const LoadedObjects>> tiles, double frame_s) {
+  const bool is_first = shares_.empty();
+  std::unordered_map<const LoadedObjects*, float> now;
+  for (const std::shared_ptr<const LoadedObjects>& tile : tiles) {
+    const auto known = shares_.find(tile.get());
+    const float before = known != shares_.end() ? known->second : 0;
+    now[tile.get()] = is_first ? 1 : std::min(before + static_cast<float>(frame_s) / kArrival_s, 1.0F);
+  }
+  shares_ = std::move(now);
+}
+
+float ObjectArrivals::share_of(const LoadedObjects& tile) const {
+  const auto known = shares_.find(&tile);
+  return known == shares_.end() ? 1 : known->second;
+}
+
+SurfaceObjects object_instances(std::span<const ObjectPatch> patches, const ObjectArrivals& arrivals,
+                                const ObjectRules& rules) {
+  Chooser chooser(arrivals, rules);
+  for (const ObjectPatch& patch : patches) chooser.add(patch);
+  return chooser.take();
+}
+
+}  // namespace cairn
