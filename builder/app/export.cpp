@@ -61,32 +61,51 @@ Result<ExportOptions> options_from(const ExportArguments& arguments) {
   return options;
 }
 
-void print_report(const ExportArguments& arguments, const ExportReport& report) {
-  if (arguments.json) {
-    Json json = {{"output", arguments.options.target.string()},
-                 {"format", arguments.format},
-                 {"vertical_datum", to_string(report.datum)},
-                 {"levels", Json::array()},
-                 {"notes", report.notes}};
+Json json_of(const ExportLevel& l, bool is_imagery) {
+  Json json = {{"level", l.level}, {"tiles", l.tiles}, {"bytes", l.bytes}};
+  if (is_imagery) {
+    json["colour_rms"] = l.colour_rms;
+  } else {
+    json.update({{"vertices", l.vertices},
+                 {"triangles", l.triangles},
+                 {"bound_m", l.bound_m},
+                 {"max_error_m", l.max_error_m}});
+  }
+  json["worst"] = l.worst;
+  return json;
+}
+
+void print_json(const ExportArguments& arguments, const ExportReport& report) {
+  Json json = {{"output", arguments.options.target.string()}, {"format", arguments.format}};
+  if (!report.is_imagery) json["vertical_datum"] = to_string(report.datum);
+  json["levels"] = Json::array();
+  for (const ExportLevel& l : report.levels) json["levels"].push_back(json_of(l, report.is_imagery));
+  json["notes"] = report.notes;
+  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+void print_table(const ExportArguments& arguments, const ExportReport& report) {
+  const auto mib = [](const ExportLevel& l) { return static_cast<double>(l.bytes) / 1048576; };
+  const std::string output = arguments.options.target.string();
+  if (report.is_imagery) {
+    fmt::print("{}: {}\n{:>5} {:>9} {:>10} {:>12}  {}\n", output, arguments.format, "level", "tiles", "MiB",
+               "largest rms", "in tile");
     for (const ExportLevel& l : report.levels)
-      json["levels"].push_back({{"level", l.level},
-                                {"tiles", l.tiles},
-                                {"bytes", l.bytes},
-                                {"vertices", l.vertices},
-                                {"triangles", l.triangles},
-                                {"bound_m", l.bound_m},
-                                {"max_error_m", l.max_error_m},
-                                {"worst", l.worst}});
-    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+      fmt::print("{:>5} {:>9} {:>10.2f} {:>12.2f}  {}\n", l.level, l.tiles, mib(l), l.colour_rms, l.worst);
     return;
   }
-  fmt::print("{}: {}, heights above {}\n", arguments.options.target.string(), arguments.format,
+  fmt::print("{}: {}, heights above {}\n", output, arguments.format,
              report.datum == VerticalDatum::unknown ? "an unknown datum" : to_string(report.datum));
   fmt::print("{:>5} {:>9} {:>10} {:>11} {:>12} {:>12}  {}\n", "level", "tiles", "MiB", "triangles", "bound m",
              "largest m", "in tile");
   for (const ExportLevel& l : report.levels)
-    fmt::print("{:>5} {:>9} {:>10.2f} {:>11} {:>12.3f} {:>12.3f}  {}\n", l.level, l.tiles,
-               static_cast<double>(l.bytes) / 1048576, l.triangles, l.bound_m, l.max_error_m, l.worst);
+    fmt::print("{:>5} {:>9} {:>10.2f} {:>11} {:>12.3f} {:>12.3f}  {}\n", l.level, l.tiles, mib(l),
+               l.triangles, l.bound_m, l.max_error_m, l.worst);
+}
+
+void print_report(const ExportArguments& arguments, const ExportReport& report) {
+  if (arguments.json) return print_json(arguments, report);
+  print_table(arguments, report);
   for (const std::string& note : report.notes) fmt::print("{}\n", note);
 }
 

@@ -45,11 +45,13 @@ struct ExportLevel {
   std::uint64_t triangles = 0;
   double bound_m = 0;      ///< what was to be kept
   double max_error_m = 0;  ///< against the source posts, as far as the pack knows them
-  std::string worst;       ///< the tile that has it
+  std::string worst;       ///< the tile that has the largest error or change
+  double colour_rms = 0;   ///< of imagery: what compression changed, of 255
 };
 
 struct ExportReport {
   std::vector<ExportLevel> levels;
+  bool is_imagery = false;                       ///< and no heights
   VerticalDatum datum = VerticalDatum::unknown;  ///< of the exported heights
   std::vector<std::string> notes;                ///< for a person: whole sentences
 };

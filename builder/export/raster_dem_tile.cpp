@@ -38,9 +38,9 @@ Result<std::vector<double>> heights_around(const RasterDemSource& source, PackSa
 }
 
 /// The tile's own pixel that is read for one beside it, where the tile that would have it is absent.
-class Around {
+class PixelsAround {
  public:
-  Around(const RasterDemSource& source, const MercatorTile& tile) {
+  PixelsAround(const RasterDemSource& source, const MercatorTile& tile) {
     const std::int64_t side = std::int64_t{1} << tile.zoom;
     for (int y = -1; y <= 1; ++y)
       for (int x = -1; x <= 1; ++x) {
@@ -113,7 +113,7 @@ Result<RasterDemTile> make_raster_dem(const RasterDemSource& source, PackSampler
   RasterDemTile made;
   made.pixels.reserve(std::size_t{kDemTilePixels} * kDemTilePixels);
   DecodedGrid read{kRead, kRead, {}};
-  const Around around(source, tile);
+  const PixelsAround around(source, tile);
   for (int r = -kAround; r < kDemTilePixels + kAround; ++r) {
     for (int c = -kAround; c < kDemTilePixels + kAround; ++c) {
       const GridPlace from = around.read(c, r);

@@ -20,10 +20,10 @@ namespace cairn {
 namespace {
 
 constexpr std::size_t kProgramBytes = std::size_t{64} << 20;
-constexpr std::size_t kKeptTiles = 8;
+constexpr std::size_t kRegionTiles = 8;
 constexpr std::size_t kSampleBytes = sizeof(float) + 1;
 constexpr std::size_t kVertexBytes = 600;  // while the mesh is made and encoded
-constexpr double kSurfaceShare = 0.25;     // of the bound, what coarse tiles of the pack may be off
+constexpr double kPackShare = 0.25;        // of the bound, what coarse tiles of the pack may be off
 constexpr int kLeastTexture = 64, kMostTexture = 4096;
 constexpr std::size_t kTextureBytes = std::size_t{kMostTexture} * kMostTexture * 8;
 
@@ -108,9 +108,9 @@ Result<RegionMesh> RegionMeshMaker::make() {
     return usage_error(fmt::format("memory: expected at least {} MiB, found {}",
                                    (fixed + kProgramBytes) >> 20, options_.memory_bytes >> 20));
   const std::size_t spare = options_.memory_bytes - fixed;
-  MetreTiles tiles(pack_, kKeptTiles);
+  MetreTiles tiles(pack_, kRegionTiles);
   const auto raster =
-      region_raster(pack_, patches_, tiles, *shift, ticks_around(*area), kSurfaceShare * *bound_m,
+      region_raster(pack_, patches_, tiles, *shift, ticks_around(*area), kPackShare * *bound_m,
                     spare / 2 / kSampleBytes, [this] { return go_on(); });
   if (!raster) return raster.error();
   if (raster->samples.error_m >= *bound_m)

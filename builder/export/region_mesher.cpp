@@ -13,8 +13,8 @@
 namespace cairn {
 namespace {
 
-constexpr int kMostTries = 12;
-constexpr int kMostHalvings = 5;  // of a cell: its middle is a whole unit then
+constexpr int kMeshTries = 12;
+constexpr int kCellHalvings = 5;  // of a cell: its middle is a whole unit then
 constexpr double kToleranceShare = 0.98;
 constexpr double kApartShare =
     0.01;  // of the bound, what straight lines on the plane may be off those in degrees
@@ -235,7 +235,7 @@ Result<MeshedRegion> RegionMesher::run(std::size_t most_vertices, const std::fun
   double tolerance = kToleranceShare * (bound_m_ - grid_.error_m);
   const std::int64_t side = std::max(grid_.columns, grid_.rows) * kUnitsOfStep;
   double found_m = 0;
-  for (int i = 0; i < kMostTries; ++i) {
+  for (int i = 0; i < kMeshTries; ++i) {
     if (auto status = refine(tolerance, most_vertices, go_on); !status) return status.error();
     const DecodedMesh mesh = ground();
     if (mesh.triangles.empty())
@@ -244,8 +244,8 @@ Result<MeshedRegion> RegionMesher::run(std::size_t most_vertices, const std::fun
     const MeshError error = measure_mesh(mesh, std::span(&grid_, 1), side, bound_m_ - apart);
     found_m = error.metres + apart;
     if (found_m <= bound_m_) return MeshedRegion{on_plane(mesh), found_m};
-    for (const MeshError::Place& place : error.above) add_cell(place, std::min(i, kMostHalvings));
-    if (i > kMostHalvings) tolerance *= 0.85;
+    for (const MeshError::Place& place : error.above) add_cell(place, std::min(i, kCellHalvings));
+    if (i > kCellHalvings) tolerance *= 0.85;
   }
   return failed(
       fmt::format("mesh: expected at most {:g} m off the source posts, found {:g} m", bound_m_, found_m));

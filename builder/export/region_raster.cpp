@@ -13,10 +13,10 @@ namespace {
 
 /// Between samples so far apart, undulations are off a bilinear surface by at most so much; the square of the
 /// distance counts.
-constexpr double kShiftTicks = 1 << (kTickBits - 5);
-constexpr double kShiftError_m = 0.005;
+constexpr double kNodeTicks = 1 << (kTickBits - 5);
+constexpr double kNodeError_m = 0.005;
 
-TickRect widened(const TickRect& region, std::int64_t step) {
+TickRect widened_to_samples(const TickRect& region, std::int64_t step) {
   const auto down = [step](std::int64_t at) { return at / step * step; };
   const auto up = [step](std::int64_t at) { return (at + step - 1) / step * step; };
   return intersection({down(region.west), down(region.south), up(region.east), up(region.north)},
@@ -25,7 +25,7 @@ TickRect widened(const TickRect& region, std::int64_t step) {
 
 /// Writes one patch's surface at all samples that it covers. Where a sample has another height already, the
 /// finer tile's counts, and the difference goes into `apart`.
-void fill(RegionRaster& raster, const Patch& patch, const MetreTile& tile, double& apart) {
+void fill_patch(RegionRaster& raster, const Patch& patch, const MetreTile& tile, double& apart) {
   const TickRect area = intersection(patch.area, raster.rect);
   const auto first = [&](std::int64_t at, std::int64_t origin) {
     return (at - origin + raster.step - 1) / raster.step;
@@ -94,7 +94,7 @@ Result<RegionRaster> region_raster(const PackReader& pack, const PackPatches& pa
   RegionRaster raster;
   raster.level = parts.front().entry.id.level;
   raster.step = tile_ticks(raster.level) / (pack.header().tile_size - 1);
-  raster.rect = widened(region, raster.step);
+  raster.rect = widened_to_samples(region, raster.step);
   const std::int64_t columns = raster.rect.width() / raster.step + 1,
                      rows = raster.rect.height() / raster.step + 1;
   if (static_cast<double>(columns) * static_cast<double>(rows) > static_cast<double>(most_samples))
@@ -113,15 +113,14 @@ Result<RegionRaster> region_raster(const PackReader& pack, const PackPatches& pa
     if (auto status = go_on(); !status) return status.error();
     const auto tile = tiles.read(part.entry);
     if (!tile) return tile.error();
-    fill(raster, part, **tile, apart);
+    fill_patch(raster, part, **tile, apart);
     grid.error_m = std::max(grid.error_m, part.error_m);
   }
   if (auto status = shift_samples(raster, shift, go_on); !status) return status.error();
   if (!(raster.lowest_m <= raster.highest_m)) return failed(no_heights);
   const double shift_error =
-      shift.metres
-          ? kShiftError_m * std::max(1.0, std::pow(static_cast<double>(raster.step) / kShiftTicks, 2))
-          : 0;
+      shift.metres ? kNodeError_m * std::max(1.0, std::pow(static_cast<double>(raster.step) / kNodeTicks, 2))
+                   : 0;
   grid.error_m += apart + shift_error;
   return raster;
 }

@@ -184,6 +184,56 @@ class Rasters(unittest.TestCase):
         for tile in decoded.values():
             self.assertGreater(tile.min(), -500)
 
+    def test_imagery_as_webp_shows_the_packs_colours(self):
+        from osgeo import gdal, osr
+        west, south, east, north, size = -84.3, 36.55, -84.2, 36.63, 700
+        picture = self.folder / "colours.tif"
+        raster = gdal.GetDriverByName("GTiff").Create(str(picture), size, size, 3)
+        raster.SetGeoTransform((west, (east - west) / size, 0, north, 0, (south - north) / size))
+        degrees = osr.SpatialReference()
+        degrees.ImportFromEPSG(4326)
+        raster.SetProjection(degrees.ExportToWkt())
+        along = np.linspace(0, 255, size)
+        for band, values in enumerate((np.tile(along, (size, 1)), np.tile(along[::-1, None], (1, size)), np.full((size, size), 80))):
+            raster.GetRasterBand(band + 1).WriteArray(values.astype(np.uint8))
+        raster = None
+        pack, out, again = (self.folder / name for name in ("colours.cairn", "i.pmtiles", "j.pmtiles"))
+        cairn("bake", REPOSITORY / "sample-dem/jacksboro_fault.tif", "--imagery", picture, "-o", pack)
+        report = json.loads(cairn("export", pack, "-o", out, "--format", "pmtiles-imagery", "--json").stdout)
+        cairn("export", pack, "-o", again, "--format", "pmtiles-imagery", "--threads", 1)
+        self.assertEqual(out.read_bytes(), again.read_bytes())
+        archive = Archive(out)
+        self.assertEqual(archive.type, 4)
+        self.assertEqual({z for z, _, _ in archive.tiles}, set(range(archive.min_zoom, archive.max_zoom + 1)))
+        for a, b in zip(archive.bounds, (west, south, east, north)):
+            self.assertAlmostEqual(a, b, places=3)
+        self.assertEqual(sum(level["tiles"] for level in report["levels"]), len(archive.tiles))
+        worst = 0
+        for (zoom, x, y), data in archive.tiles.items():
+            if zoom < archive.max_zoom - 1:
+                continue
+            gdal.FileFromMemBuffer("/vsimem/tile.webp", data)
+            colours = gdal.Open("/vsimem/tile.webp").ReadAsArray().astype(float)
+            self.assertEqual(colours.shape[1:], (512, 512))
+            u, v = np.meshgrid((np.arange(512) + 0.5) / 512, (np.arange(512) + 0.5) / 512)
+            lon = (x + u) / 2**zoom * 360 - 180
+            lat = np.degrees(np.arctan(np.sinh(np.pi * (1 - 2 * (y + v) / 2**zoom))))
+            inside = (lon > west + 0.002) & (lon < east - 0.002) & (lat > south + 0.002) & (lat < north - 0.002)
+            outside = (lon < west - 0.002) | (lon > east + 0.002) | (lat < south - 0.002) | (lat > north + 0.002)
+            if colours.shape[0] == 4:
+                self.assertTrue((colours[3][inside] == 255).all())
+                self.assertTrue((colours[3][outside] == 0).all())
+            for band, expected in ((0, 255 * (lon - west) / (east - west)), (1, 255 * (lat - south) / (north - south))):
+                if inside.any():
+                    worst = max(worst, np.abs(colours[band] - expected)[inside].max())
+        self.assertGreater(worst, 0)
+        self.assertLess(worst, 20)
+        cairn("export", self.pack, "-o", self.folder / "none.pmtiles", "--format", "pmtiles-imagery", code=3)
+        for arguments, code in ((("--max-error", 1), 2), (("--region", "10,10,11,11"), 1), (("--levels", "30-31"), 2)):
+            target = self.folder / "refused.pmtiles"
+            cairn("export", pack, "-o", target, "--format", "pmtiles-imagery", *arguments, code=code)
+            self.assertFalse(target.exists() or target.with_name(target.name + ".part").exists())
+
     def test_geotiff_has_the_packs_samples(self):
         from osgeo import gdal
         out = self.folder / "a.tif"
@@ -199,6 +249,16 @@ class Rasters(unittest.TestCase):
         lon, lat = x0 + dx * (c + 0.5), y0 + dy * (r + 0.5)
         self.assertTrue(np.array_equal(heights[r, c], sample(self.pack, lon, lat).astype(np.float32)))
         self.assertGreater(raster.GetRasterBand(1).GetOverviewCount(), 0)
+        raster = None
+        from osgeo_utils.samples import validate_cloud_optimized_geotiff as cog
+        warnings, errors, _ = cog.validate(str(out), full_check=True)
+        self.assertEqual((warnings, errors), ([], []))
+        import rasterio
+        with rasterio.open(out) as again:
+            self.assertEqual((again.crs.to_epsg(), again.nodata, again.dtypes), (4326, -32768, ("float32",)))
+            self.assertTrue(np.array_equal(again.read(1), heights))
+            picked = [p[0] for p in again.sample(zip(lon[:50], lat[:50]))]
+            self.assertTrue(np.array_equal(picked, heights[r[:50], c[:50]]))
 
     def test_heightmaps_share_rows_and_keep_the_stated_error(self):
         out = self.folder / "engine"

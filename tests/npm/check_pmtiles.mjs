@@ -18,9 +18,11 @@ const source = {
 const archive = new PMTiles(source);
 const header = await archive.getHeader(), metadata = await archive.getMetadata();
 const faults = [];
-if (header.tileType !== 2) faults.push(`tile type ${header.tileType}`);
+const kinds = { 2: { name: "PNG", head: [0x89, 0x50] }, 4: { name: "WebP", head: [0x52, 0x49] } };
+const kind = kinds[header.tileType];
+if (!kind) faults.push(`tile type ${header.tileType}`);
 if (!(header.minLon < header.maxLon && header.minLat < header.maxLat)) faults.push("bounds without area");
-if (!["terrarium", "custom"].includes(metadata.encoding)) faults.push(`encoding ${metadata.encoding}`);
+if (header.tileType === 2 && !["terrarium", "custom"].includes(metadata.encoding)) faults.push(`encoding ${metadata.encoding}`);
 let tiles = 0, bytes = 0;
 for (let z = header.minZoom; z <= header.maxZoom; ++z) {
   const side = 2 ** z, row = (lat) => ((1 - Math.asinh(Math.tan((lat * Math.PI) / 180)) / Math.PI) / 2) * side;
@@ -32,7 +34,8 @@ for (let z = header.minZoom; z <= header.maxZoom; ++z) {
       ++tiles;
       bytes += tile.data.byteLength;
       const head = new Uint8Array(tile.data, 0, 4);
-      if (head[0] !== 0x89 || head[1] !== 0x50) faults.push(`${z}/${x}/${y} (${zxyToTileId(z, x, y)}): no PNG`);
+      if (!kind || head[0] !== kind.head[0] || head[1] !== kind.head[1])
+        faults.push(`${z}/${x}/${y} (${zxyToTileId(z, x, y)}): no ${kind?.name}`);
     }
 }
 if (tiles !== header.numAddressedTiles) faults.push(`${tiles} tiles found, ${header.numAddressedTiles} stated`);
