@@ -36,6 +36,7 @@ class Chooser {
         camera_(camera_frame(rules.view)),
         pixels_per_radian_(static_cast<float>(1 / pixel_footprint_m(rules.view, 1))),
         smallest_px_(static_cast<float>(rules.smallest_px)),
+        farthest_per_m_(pixels_per_radian_ / smallest_px_),
         error_px_(static_cast<float>(rules.error_px)) {
     const std::array<glm::dvec3, 5> normals = inward_normals(camera_, rules.view);
     for (std::size_t i = 0; i < normals.size(); ++i) inward_[i] = glm::vec3(normals[i]);
@@ -50,6 +51,9 @@ class Chooser {
       const ObjectFoot& foot = patch.feet[i];
       const glm::vec3 from_eye =
           glm::vec3(foot.place - camera_.position) + foot.to_coarser * patch.coarser_share;
+      // Most of the objects in memory are too small where they are: that is the cheapest test.
+      const float farthest = object.size_m * farthest_per_m_;
+      if (glm::dot(from_eye, from_eye) >= farthest * farthest) continue;
       if (!in_picture(from_eye, object.reach_m())) continue;
       const float distance = glm::length(from_eye);
       const float px_per_m = pixels_per_radian_ / std::max(distance, 1e-3F);
@@ -129,6 +133,7 @@ class Chooser {
   std::array<glm::vec3, 5> inward_{};
   float pixels_per_radian_;
   float smallest_px_;
+  float farthest_per_m_;  // where an object of 1 m has the smallest size
   float error_px_;
   std::vector<ModelUse> all_;
   std::unordered_map<const ObjectModel*, std::size_t> numbers_;

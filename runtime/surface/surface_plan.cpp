@@ -97,15 +97,12 @@ void SurfaceMesher::place_objects(const ObjectScene& scene, const SurfaceRules& 
   struct Work {
     std::size_t patch;
     std::size_t kept;  // of Kept::feet
-    std::span<const StandingObject> standing;
     bool is_fresh;
   };
   const double pixels_per_radian = 1 / pixel_footprint_m(rules.view, 1);
   const auto& patches = plan.partition.patches;
   std::vector<Work> work;
-  const auto add = [&](std::size_t i, const std::shared_ptr<const LoadedObjects>& tile,
-                       std::span<const StandingObject> standing) {
-    if (standing.empty()) return;
+  const auto add = [&](std::size_t i, const std::shared_ptr<const LoadedObjects>& tile, bool is_whole) {
     const double largest_m = static_cast<double>(tile->largest_m());
     if (largest_m * pixels_per_radian < scene.smallest_px * patches[i].distance_m) return;
     std::vector<KeptFeet>& feet = shown[i]->feet;
@@ -113,31 +110,30 @@ void SurfaceMesher::place_objects(const ObjectScene& scene, const SurfaceRules& 
         std::find_if(feet.begin(), feet.end(), [&](const KeptFeet& k) { return k.objects == tile; });
     const auto at = static_cast<std::size_t>(known - feet.begin());
     const bool is_fresh = known == feet.end();
-    if (is_fresh) feet.push_back({tile, {}, frame_});
+    if (is_fresh) feet.push_back({tile, is_whole ? tile->all() : tile->inside(patches[i].area), {}, frame_});
     feet[at].used = frame_;
-    work.push_back({i, at, standing, is_fresh});
+    if (!feet[at].standing.empty()) work.push_back({i, at, is_fresh});
   };
   const ObjectTiles by_id(scene.tiles);
   for (std::size_t i = 0; i < patches.size(); ++i) {
-    by_id.for_each_above(patches[i].area,
-                         [&](const auto& tile) { add(i, tile, tile->inside(patches[i].area)); });
+    by_id.for_each_above(patches[i].area, [&](const auto& tile) { add(i, tile, false); });
   }
   const PatchIndex index(patches);
   for (const auto& tile : scene.tiles) {
     const std::optional<std::size_t> patch = index.covering(tile->tile());
-    if (patch && patches[*patch].area != tile->tile()) add(*patch, tile, tile->all());
+    if (patch && patches[*patch].area != tile->tile()) add(*patch, tile, true);
   }
   workers_->run(work.size(), [&](std::size_t k) {
     const Work& item = work[k];
     if (!item.is_fresh) return;
     KeptFeet& kept = shown[item.patch]->feet[item.kept];
     kept.feet = object_feet(patches[item.patch], plan.joints.sides[item.patch], scene.quantum_m,
-                            kept.objects->tile(), item.standing);
+                            kept.objects->tile(), kept.standing);
   });
   for (const Work& item : work) {
     const KeptFeet& kept = shown[item.patch]->feet[item.kept];
     object_patches_.push_back(
-        {kept.objects.get(), item.standing, kept.feet, patches[item.patch].surface.coarser_share()});
+        {kept.objects.get(), kept.standing, kept.feet, patches[item.patch].surface.coarser_share()});
   }
 }
 

@@ -79,6 +79,7 @@ class SurfaceMesher {
   /// Of the objects that one tile has in a patch.
   struct KeptFeet {
     std::shared_ptr<const LoadedObjects> objects;
+    std::span<const StandingObject> standing;
     std::vector<ObjectFoot> feet;
     std::uint64_t used = 0;  // the last frame
   };
