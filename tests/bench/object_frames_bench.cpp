@@ -22,7 +22,7 @@ namespace {
 constexpr LonLat kCell{10.5, 45.5};
 constexpr int kFrames = 300;
 
-/// Boxes of 5 to 25 m, of 30 models with 260 vertices each, all over a degree of hills.
+/// Boxes of 5 to 25 m, of 30 models with 265 vertices each, all over a degree of hills.
 void write_cell(const std::filesystem::path& path, std::size_t count) {
   std::mt19937 random(5);
   std::vector<ObjectModel> models;
