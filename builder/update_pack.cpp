@@ -49,6 +49,9 @@ Sources named_sources(const nlohmann::json& list) {
 Result<OldPack> open_old(const fs::path& path) {
   auto reader = PackReader::open(path);
   if (!reader) return reader.error();
+  if (reader->levels(Layer::objects))
+    return usage_error(path.string() +
+                       ": update: expected a pack without objects, found one with; bake it anew");
   OldPack old{std::move(*reader), read_kept_units(path), std::nullopt, {}, false, {}, {}};
   if (old.kept) {
     auto records = JournalReader::open(units_path(path));

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <map>
+#include <system_error>
 #include <thread>
 
 #include <fmt/format.h>
@@ -146,6 +148,30 @@ void add_imagery_options(CLI::App& verb, BakeArguments& arguments) {
       ->capture_default_str();
 }
 
+void add_object_options(CLI::App& verb, BakeArguments& arguments) {
+  verb.add_option("--objects", arguments.places,
+                  "objects on the ground: CSV (lon,lat,model[,heading,scale,height,mode]) or GeoJSON");
+  verb.add_option(
+      "--models", arguments.models,
+      "the folder with their models: NAME.glb, .gltf, .obj, .dxf, …, and images NAME.WxH.png of W by H "
+      "metres");
+}
+
+Status use_objects(const BakeArguments& arguments, ObjectOptions& objects) {
+  if (arguments.places.empty() != arguments.models.empty())
+    return usage_error(arguments.places.empty() ? "--models: expected --objects with it, found none"
+                                                : "--objects: expected --models with it, found none");
+  objects.models = arguments.models;
+  for (const std::string& file : arguments.places) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored))
+      return usage_error(file + ": objects: expected a file, found none");
+    objects.places.emplace_back(file);
+  }
+  if (arguments.models.empty() || std::filesystem::is_directory(objects.models)) return {};
+  return usage_error(arguments.models + ": models: expected a folder, found none");
+}
+
 }  // namespace
 
 Status find_inputs(const std::vector<std::string>& arguments, const InputSearch& search,
@@ -183,6 +209,7 @@ Result<BuildOptions> options_from(const BakeArguments& arguments) {
   if (auto status = check_rules(options.mosaic); !status) return status.error();
   if (auto status = find_inputs(arguments.images, arguments.search, options.imagery.inputs); !status)
     return status.error();
+  if (auto status = use_objects(arguments, options.objects); !status) return status.error();
   if (auto status = use_memory(arguments.memory_mib, options); !status) return status.error();
   return options;
 }
@@ -200,6 +227,7 @@ void add_bake_options(CLI::App& verb, BakeArguments& arguments) {
   add_datum_options(verb, arguments);
   add_source_options(verb, arguments.sources);
   add_imagery_options(verb, arguments);
+  add_object_options(verb, arguments);
 }
 
 void add_machine_options(CLI::App& verb, BakeArguments& arguments) {

@@ -17,6 +17,8 @@ struct BakeArguments {
   std::vector<std::string> inputs;
   BuildOptions options;
   std::vector<std::string> images;
+  std::vector<std::string> places;
+  std::string models;
   std::vector<double> region;
   SourceArguments sources;
   std::vector<double> image_bounds;

@@ -68,6 +68,11 @@ void print_table(const Json& r, const BuildOptions& options) {
         level["bits_per_sample"].get<double>(), level["max_error_m"].get<double>());
   }
   if (r.contains("imagery")) print_imagery(r["imagery"]);
+  if (r.contains("objects"))
+    fmt::print("{} objects of {} models, {:.2f} MiB, {:.2f} bytes per object\n",
+               r["objects"]["objects"].get<std::uint64_t>(), r["objects"]["models"].size(),
+               r["objects"]["bytes"].get<double>() / kMiB,
+               r["objects"]["bytes"].get<double>() / r["objects"]["objects"].get<double>());
 }
 
 }  // namespace

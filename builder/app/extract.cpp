@@ -15,6 +15,7 @@
 
 #include "builder/app/bake_progress.h"
 #include "builder/app/export_target.h"
+#include "builder/app/extract_objects.h"
 #include "builder/app/extract_region.h"
 #include "builder/app/one_of.h"
 #include "builder/app/region_argument.h"
@@ -92,10 +93,19 @@ Status check_cell_name(const std::string& output, const GeoBounds& cell) {
                                  output, expected));
 }
 
+Status check_words_of_objects(const ExtractOptions& options, const std::string& extension) {
+  if (extension != ".csv") return usage_error(options.output + ": expected a name that ends in .csv");
+  if (!options.tile.empty() || options.level || options.spacing)
+    return usage_error(
+        "extract: expected all objects or those of --region, found a tile, a level or a spacing");
+  return {};
+}
+
 /// Wrong usage that shows without the pack.
 Status check_words(const ExtractOptions& options) {
   const bool imagery = options.layer == Layer::imagery;
   const std::string extension = extension_of(options.output);
+  if (options.layer == Layer::objects) return check_words_of_objects(options, extension);
   if (imagery ? texture_writer_for(extension) == nullptr : height_writer_for(extension) == nullptr)
     return usage_error(options.output + ": expected a name that ends in " +
                        (imagery ? ".dds or .png" : ".tif, .png or .hgt"));
@@ -184,12 +194,31 @@ Status extract_region(const PackReader& pack, const GeoBounds& region, const Ext
   return {};
 }
 
+Status extract_csv(const PackReader& pack, const ExtractOptions& options) {
+  std::optional<GeoBounds> bounds;
+  if (!options.region.empty()) {
+    const auto region = region_of(options.region);
+    if (!region) return region.error();
+    bounds = *region;
+  }
+  const auto written = extract_objects(pack, bounds, options.output);
+  if (!written) return written.error();
+  if (options.json) {
+    const Json report{{"output", options.output}, {"layer", "objects"}, {"objects", *written}};
+    fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
+  } else {
+    fmt::print("{}: {} objects\n", options.output, *written);
+  }
+  return {};
+}
+
 Status extract(const ExtractOptions& options) {
   if (auto status = check_words(options); !status) return status;
   const Result<PackReader> pack = open_pack(options.pack);
   if (!pack) return pack.error();
   if (auto status = pack->read_index(); !status) return status;
   if (auto status = check_export_target(options.output, *pack); !status) return status;
+  if (options.layer == Layer::objects) return extract_csv(*pack, options);
   if (options.tile.empty()) {
     const auto region = region_of(options.region);
     return region ? extract_region(*pack, *region, options) : Status(region.error());
@@ -211,8 +240,7 @@ void add_extract(CLI::App& app, int& exit_code) {
                    "FILE.tif (GeoTIFF), FILE.png (16 bits, metres + 32768, void 0) or, of a cell of 1 "
                    "degree, N36E028.hgt "
                    "(int16 metres, void -32768); of imagery TILE.dds (as it is stored, with mips) or "
-                   "TILE.png; replaced "
-                   "where it exists")
+                   "TILE.png; of objects FILE.csv, which bake --objects takes; replaced where it exists")
       ->required();
   verb->add_option(
           "--region", options->region,
@@ -225,8 +253,9 @@ void add_extract(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(kMinLevel, kMaxLevel));
   verb->add_option("--spacing", options->spacing, "of a region: degrees from one post to the next")
       ->check(CLI::Range(1e-7, 90.0));
-  const std::map<std::string, Layer> layers{{"heights", Layer::heights}, {"imagery", Layer::imagery}};
-  verb->add_option("--layer", options->layer, "heights or imagery")
+  const std::map<std::string, Layer> layers{
+      {"heights", Layer::heights}, {"imagery", Layer::imagery}, {"objects", Layer::objects}};
+  verb->add_option("--layer", options->layer, "heights, imagery or objects")
       ->transform(one_of(layers))
       ->default_str("heights");
   verb->add_flag("--json", options->json, "Print JSON");

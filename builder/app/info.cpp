@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -60,6 +61,30 @@ void print_rqt(const Json& rqt) {
   }
 }
 
+void print_objects(const Json& objects) {
+  const auto count = objects["objects"].get<std::uint64_t>();
+  fmt::print("objects {}, {:.2f} bytes per object\n  {:>5} {:>9} {:>9} {:>14} {:>12} {:>12}\n", count,
+             objects["bytes"].get<double>() / static_cast<double>(std::max<std::uint64_t>(count, 1)), "level",
+             "tiles", "empty", "bytes", "objects", "largest m");
+  for (const Json& level : objects["levels"]) {
+    fmt::print("  {:>5} {:>9} {:>9} {:>14} {:>12} {:>12.2f}\n", level["level"].get<int>(),
+               level["tiles"].get<std::uint64_t>(), level["constant_tiles"].get<std::uint64_t>(),
+               level["bytes"].get<std::uint64_t>(), level["objects"].get<std::uint64_t>(),
+               level["largest_m"].get<double>());
+  }
+  if (const double left_out = number(objects, "left_out"); left_out > 0)
+    fmt::print("  {:.0f} places left out, as there is no ground beneath them\n", left_out);
+  if (!objects["models"].is_array()) return;
+  fmt::print("models {}, {} bytes\n  {:>12} {:>9} {:>9} {:>6}  name\n", objects["models"].size(),
+             objects["model_bytes"].get<std::uint64_t>(), "objects", "triangles", "vertices", "levels");
+  for (const Json& model : objects["models"]) {
+    const bool named = model.is_object() && model.contains("name") && model.at("name").is_string();
+    fmt::print("  {:>12.0f} {:>9.0f} {:>9.0f} {:>6.0f}  {}\n", number(model, "objects"),
+               number(model, "triangles"), number(model, "vertices"), number(model, "levels"),
+               named ? model.at("name").get<std::string>() : "?");
+  }
+}
+
 void print_accuracy(const Json& info) {
   const Json& a = info["accuracy"];
   if (!a.is_object()) return;
@@ -113,6 +138,7 @@ void print_text(const PackReader& pack, const Json& info) {
   }
   if (info.contains("imagery")) print_imagery(info["imagery"]);
   if (info.contains("rqt")) print_rqt(info["rqt"]);
+  if (info.contains("objects")) print_objects(info["objects"]);
   print_sources("sources", info["sources"]);
   if (info.contains("imagery") && info["imagery"].contains("sources"))
     print_sources("images", info["imagery"]["sources"]);
@@ -123,7 +149,7 @@ int run_info(const InfoOptions& options) {
   if (!pack) return report_error(pack.error());
   const Result<nlohmann::json> metadata = parse_metadata(*pack);
   if (!metadata) return report_error(metadata.error());
-  if (pack->levels(Layer::rqt)) {
+  if (pack->levels(Layer::rqt) || pack->levels(Layer::objects)) {
     if (const Status status = pack->read_index(); !status) return report_error(status.error());
   }
   const Json info = describe_pack_file(*pack, *metadata);

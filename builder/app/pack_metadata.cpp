@@ -66,6 +66,37 @@ Json rqt_json(const PackReader& pack) {
   return {{"levels", levels}};
 }
 
+Json objects_json(const PackReader& pack, const nlohmann::json& metadata) {
+  Json levels = levels_json(pack, Layer::objects);
+  std::map<int, std::uint64_t> objects;
+  for (std::size_t i = 0; i < pack.entry_count(); ++i) {
+    const IndexEntry entry = pack.entry(i);
+    if (entry.layer == Layer::objects)
+      objects[entry.id.level] += static_cast<std::uint64_t>(std::max(entry.min_quanta, 0));
+  }
+  std::uint64_t all = 0, bytes = 0;
+  for (Json& level : levels) {
+    level["objects"] = objects[level["level"].get<int>()];
+    level["largest_m"] = level["max_error_m"];
+    level.erase("max_error_m");
+    level.erase("bits_per_sample");
+    all += level["objects"].get<std::uint64_t>();
+    bytes += level["bytes"].get<std::uint64_t>();
+  }
+  const auto stated = [&](const char* key) {
+    const nlohmann::json::json_pointer path(std::string("/objects/") + key);
+    return metadata.contains(path) ? metadata.at(path) : nlohmann::json();
+  };
+  std::uint64_t model_bytes = 0;
+  for (const LevelSummary& level : summarise_levels(pack, Layer::models)) model_bytes += level.bytes;
+  return {{"objects", all},
+          {"bytes", bytes},
+          {"left_out", stated("left_out")},
+          {"levels", levels},
+          {"model_bytes", model_bytes},
+          {"models", stated("models")}};
+}
+
 }  // namespace
 
 Result<nlohmann::json> parse_metadata(const PackReader& pack) {
@@ -107,6 +138,7 @@ nlohmann::ordered_json describe_pack_file(const PackReader& pack, const nlohmann
   info["levels"] = levels_json(pack, Layer::heights);
   if (pack.levels(Layer::imagery)) info["imagery"] = imagery_json(pack, metadata);
   if (pack.levels(Layer::rqt)) info["rqt"] = rqt_json(pack);
+  if (pack.levels(Layer::objects)) info["objects"] = objects_json(pack, metadata);
   info["accuracy"] = of("accuracy");
   info["sources"] = of("sources");
   return info;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "builder/bake/memory_budget.h"
+#include "builder/objects/object_layer.h"
 #include "builder/raster/body_placement.h"
 #include "builder/raster/footprint.h"
 #include "builder/raster/gdal_name.h"
@@ -81,6 +82,7 @@ std::vector<std::filesystem::path> files_of(const BuildOptions& options) {
   files.insert(files.end(), images.begin(), images.end());
   if (options.mosaic.geoid) files.push_back(*options.mosaic.geoid);
   for (auto& file : files) file = file_of_gdal_name(file).value_or(file);
+  for (auto& file : files_of(options.objects)) files.push_back(std::move(file));
   return files;
 }
 
@@ -116,6 +118,8 @@ Result<BakePlan> plan_bake(const BuildOptions& options, int threads) {
     if (!mosaic) return mosaic.error();
     layers.heights = std::move(*mosaic);
   }
+  if (!options.objects.places.empty() && !layers.heights)
+    return usage_error("objects: expected DEMs, on whose ground they stand, found none");
   if (!options.imagery.inputs.empty()) {
     auto mosaic = ImageryMosaic::open(options.imagery, options.grid.tile_size - 1);
     if (!mosaic) return mosaic.error();

@@ -26,7 +26,7 @@ struct BakePlan {
   GeoBounds bounds() const;
 };
 
-/// Every file that a bake reads: DEMs, images, the geoid.
+/// Every file that a bake reads: DEMs, images, the geoid, places of objects, models and their textures.
 std::vector<std::filesystem::path> files_of(const BuildOptions& options);
 
 /// Asks every source what it is, and lays out the trees of tiles.

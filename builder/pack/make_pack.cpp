@@ -1,6 +1,7 @@
 #include "builder/pack/make_pack.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -9,6 +10,7 @@
 
 #include "builder/bake/memory_budget.h"
 #include "builder/heights/rqt_layer.h"
+#include "builder/objects/object_layer.h"
 #include "builder/pack/options_json.h"
 #include "builder/pack/pack_metadata.h"
 #include "format/pack_writer.h"
@@ -69,6 +71,23 @@ Status make_rqt(const BakePlan& layers, const BuildOptions& options, int threads
   return bake_rqt_layers(plan, threads, session, progress);
 }
 
+Result<std::optional<ObjectSummary>> make_objects(const BakePlan& layers, const BuildOptions& options,
+                                                  int threads, BakeSession& session,
+                                                  const ProgressCallback& progress, BuildReport& report) {
+  using Made = std::optional<ObjectSummary>;
+  if (options.objects.places.empty()) return Made();
+  const ObjectGround ground{layers.body, options.grid.tile_size, layers.plan->quantum_m()};
+  auto made = bake_objects(options.objects, ground, threads, session, progress);
+  if (!made) return made.error();
+  if (made->left_out != 0)
+    report.warning = "objects: " + std::to_string(made->left_out) + " of " +
+                     std::to_string(made->objects + made->left_out) +
+                     " left out, as there is no ground beneath them, the first at lon " +
+                     std::to_string(made->first_left_out.lon) + " lat " +
+                     std::to_string(made->first_left_out.lat);
+  return Made(std::move(*made));
+}
+
 }  // namespace
 
 PackHeader header_for(const BakePlan& layers, const BuildOptions& options) {
@@ -127,16 +146,21 @@ Result<BuildReport> make_pack(const BakePlan& layers, const BuildOptions& option
   // first.
   if (auto status = make_rqt(layers, options, threads, session, progress); !status) return status.error();
 
-  // 5. Write metadata, index and header; the target appears.
+  // 5. Place objects on the ground, which is all there now.
+  const auto objects = make_objects(layers, options, threads, session, progress, report);
+  if (!objects) return objects.error();
+
+  // 6. Write metadata, index and header; the target appears.
   const auto input_hashes = hashes();
   if (!input_hashes) return input_hashes.error();
-  auto metadata = describe_pack(layers, options, *heights, *input_hashes, session.writer);
+  auto metadata = describe_pack(layers, options, *heights, *objects, *input_hashes, session.writer);
   if (!metadata) return metadata.error();
   report.metadata_json = std::move(*metadata);
   if (auto status = session.writer.finish(report.metadata_json); !status) return status.error();
 
   report.within_error_bound = bounded.ok();
-  if (!bounded) report.warning = bounded.error().message;
+  if (!bounded)
+    report.warning = bounded.error().message + (report.warning.empty() ? "" : "; ") + report.warning;
   std::error_code ignored;
   report.file_bytes = std::filesystem::file_size(options.session.target, ignored);
   return report;

@@ -218,7 +218,7 @@ nlohmann::ordered_json to_json(const SourceOverrides& said) {
 
 // The structures are taken apart so that a member which is added to one stops the compilation here.
 nlohmann::ordered_json to_json(const BuildOptions& options) {
-  const auto& [grid, mosaic, heights, imagery, session] = options;
+  const auto& [grid, mosaic, heights, imagery, objects, session] = options;
   const auto& [tile_size, top, region] = grid;
   const auto& [dems, level, max_error_m, resampling, datum, geoid, source_rules, fade_posts, void_posts] =
       mosaic;
@@ -238,6 +238,7 @@ nlohmann::ordered_json to_json(const BuildOptions& options) {
   write(json, "rqt", rqt_tolerance_m);
   if (geoid) json["geoid"] = true;
   if (!imagery.inputs.empty()) json["imagery"] = json_of(imagery);
+  if (!objects.places.empty()) json["objects"] = true;
   return json;
 }
 

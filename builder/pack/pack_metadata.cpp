@@ -159,10 +159,29 @@ Json imagery_of(const BakePlan& layers, const Json& options, const std::optional
           {"sources", sources}};
 }
 
+// The hashes of places and models are the last of all inputs.
+Json objects_of(const ObjectSummary& summary, const BuildOptions& options,
+                const std::vector<std::uint64_t>& hashes) {
+  Json models = Json::array();
+  for (const ObjectSummary::Model& model : summary.models)
+    models.push_back({{"name", model.name},
+                      {"objects", model.objects},
+                      {"triangles", model.triangles},
+                      {"vertices", model.vertices},
+                      {"levels", model.levels}});
+  const auto files = files_of(options.objects);
+  Json sources = Json::array();
+  for (std::size_t f = 0; f < files.size(); ++f)
+    sources.push_back({{"name", files[f].filename().string()},
+                       {"xxh3", fmt::format("{:016x}", hashes[hashes.size() - files.size() + f])}});
+  return {
+      {"objects", summary.objects}, {"left_out", summary.left_out}, {"models", models}, {"sources", sources}};
+}
+
 }  // namespace
 
 Result<std::string> describe_pack(const BakePlan& layers, const BuildOptions& options,
-                                  const HeightSummary& heights,
+                                  const HeightSummary& heights, const std::optional<ObjectSummary>& objects,
                                   const std::vector<std::uint64_t>& input_hashes, const PackWriter& pack) {
   const Json stated = to_json(options);
   Json meta;
@@ -194,6 +213,7 @@ Result<std::string> describe_pack(const BakePlan& layers, const BuildOptions& op
   }
   if (layers.plan && options.heights.rqt_tolerance_m)
     meta["rqt"] = {{"tolerance_m", *options.heights.rqt_tolerance_m}, {"triangulations", kRqtSteps}};
+  if (objects) meta["objects"] = objects_of(*objects, options, input_hashes);
   meta["options"] = stated;
   // A file's name need not be UTF-8, JSON must.
   return meta.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "builder/heights/height_layer.h"
+#include "builder/objects/object_layer.h"
 #include "builder/pack/bake_plan.h"
 #include "cairn/build_options.h"
 #include "cairn/status.h"
@@ -16,7 +18,7 @@ namespace cairn {
 /// the keys as docs/pack-format.md lists them. Nothing in it depends on the machine, the time or the folder.
 /// The error is why the entries that are in `pack` so far could not be read back.
 Result<std::string> describe_pack(const BakePlan& layers, const BuildOptions& options,
-                                  const HeightSummary& heights,
+                                  const HeightSummary& heights, const std::optional<ObjectSummary>& objects,
                                   const std::vector<std::uint64_t>& input_hashes, const PackWriter& pack);
 
 }  // namespace cairn

@@ -126,6 +126,9 @@ std::vector<std::size_t> files_for(const BakePlan& layers, const BuildOptions& o
 }
 
 Status check_plan_target(const BuildOptions& options) {
+  if (!options.objects.places.empty())
+    return usage_error("objects: expected none in a bake that is divided, found " +
+                       options.objects.places.front().string());
   const fs::path& target = options.session.target;
   const auto inputs = files_of(options);
   if (auto status = check_is_no_input(target, inputs); !status) return status;

@@ -4,6 +4,7 @@
 #include "cairn/height_options.h"
 #include "cairn/imagery_options.h"
 #include "cairn/mosaic_options.h"
+#include "cairn/object_options.h"
 #include "cairn/session_options.h"
 
 namespace cairn {
@@ -14,6 +15,7 @@ struct BuildOptions {
   MosaicOptions mosaic;
   HeightOptions heights;
   ImageryOptions imagery;
+  ObjectOptions objects;
   SessionOptions session;
 };
 
