@@ -23,7 +23,8 @@ constexpr std::array kMeshExtensions{".gltf", ".glb", ".obj", ".dxf", ".fbx", ".
                                      ".3ds",  ".stl", ".ply", ".off", ".x",   ".ac"};
 constexpr std::array kImageExtensions{".png", ".jpg", ".jpeg", ".tga", ".bmp"};
 constexpr std::size_t kMostNames = 12;  // in an error
-constexpr int kMostPicture = 512;       // texels of a model of an image
+constexpr double kMostMetres = 1e5;
+constexpr int kMostPicture = 512;  // texels of a model of an image
 
 template <class Names>
 bool is_one_of(const std::string& extension, const Names& names) {
@@ -76,16 +77,18 @@ std::optional<ModelLibrary::Candidate> ModelLibrary::candidate_of(const fs::path
   Candidate candidate{file.stem().string(), file};
   if (is_one_of(extension, kMeshExtensions)) return candidate;
   if (!is_one_of(extension, kImageExtensions)) return std::nullopt;
-  const fs::path stem = file.stem();
-  char rest = 0;
-  const std::string size = stem.extension().string();
-  if (std::sscanf(size.c_str(), ".%lfx%lf%c", &candidate.width_m, &candidate.height_m, &rest) != 2)
-    return std::nullopt;  // a texture
-  candidate.name = stem.stem().string();
-  return candidate.width_m > 0 && candidate.height_m > 0 && candidate.width_m < 1e5 &&
-                 candidate.height_m < 1e5
-             ? std::optional(candidate)
-             : std::nullopt;
+  const std::string stem = file.stem().string();
+  for (std::size_t dot = stem.find('.', 1); dot < stem.size(); dot = stem.find('.', dot + 1)) {
+    double width = 0, height = 0;
+    char rest = 0;
+    if (std::sscanf(&stem[dot], ".%lfx%lf%c", &width, &height, &rest) != 2) continue;
+    if (!(width > 0 && height > 0 && width < kMostMetres && height < kMostMetres)) continue;
+    candidate.name = stem.substr(0, dot);
+    candidate.width_m = width;
+    candidate.height_m = height;
+    return candidate;
+  }
+  return std::nullopt;  // a texture
 }
 
 Result<ModelLibrary> ModelLibrary::open(const fs::path& folder) {

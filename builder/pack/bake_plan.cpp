@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "builder/bake/memory_budget.h"
+#include "builder/objects/check_objects.h"
 #include "builder/objects/object_layer.h"
 #include "builder/raster/body_placement.h"
 #include "builder/raster/footprint.h"
@@ -120,6 +121,7 @@ Result<BakePlan> plan_bake(const BuildOptions& options, int threads) {
   }
   if (!options.objects.places.empty() && !layers.heights)
     return usage_error("objects: expected DEMs, on whose ground they stand, found none");
+  if (auto status = check_objects(options.objects); !status) return status.error();
   if (!options.imagery.inputs.empty()) {
     auto mosaic = ImageryMosaic::open(options.imagery, options.grid.tile_size - 1);
     if (!mosaic) return mosaic.error();

@@ -131,7 +131,7 @@ set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS "libcurl4, libgl1-mesa-dri, python3
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libcairn-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libglm-dev, libgeographiclib-dev, libzstd-dev, libxxhash-dev, pkg-config")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libtiff-dev, libpng-dev, libjpeg-dev, zlib1g-dev, libzip-dev, libwebp-dev, libfmt-dev, libtbb-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libtiff-dev, libpng-dev, libjpeg-dev, zlib1g-dev, libzip-dev, libwebp-dev, libfmt-dev, libtbb-dev, libmeshoptimizer-dev")
 if(TARGET cairn_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-cairn)

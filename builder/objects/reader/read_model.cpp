@@ -1,6 +1,7 @@
 // The program cairn-model: reads a model or an image and writes it to standard output as encode_mesh() does.
 // It is a process of its own, with limits, since a hostile file may make a library of formats crash or grow.
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
@@ -24,6 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr rlim_t kMemory = rlim_t{4} << 30;
 constexpr rlim_t kSeconds = 60;
+constexpr float kSmoothDegrees = 50;  // between triangles that share a normal, where the file has none
 
 void set_limits() {
   const auto limit = [](auto what, rlim_t value) {
@@ -55,9 +57,20 @@ std::array<float, 3> turned(const aiVector3D& v, bool z_up) {
   return z_up ? std::array{v.x, v.y, v.z} : std::array{v.x, -v.z, v.y};
 }
 
-std::uint8_t code_of(float linear) {
-  const float c = linear < 0 ? 0 : linear > 1 ? 1 : linear;
+std::uint8_t code_of(float colour) {
+  const float c = colour > 0 ? std::min(colour, 1.0f) : 0.0f;
   return static_cast<std::uint8_t>(std::lround(c * 255));
+}
+
+/// IEC 61966-2-1.
+float srgb_of_linear(float c) {
+  return c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
+}
+
+/// glTF says the factors of colours in linear light, the others as they are seen.
+bool has_linear_colours(const fs::path& file) {
+  const std::string extension = lower_extension(file);
+  return extension == ".gltf" || extension == ".glb";
 }
 
 /// The pictures of a scene, each once.
@@ -109,12 +122,14 @@ class Pictures {
   std::map<std::string, std::uint32_t> numbers_;
 };
 
-Result<SourceMesh::Material> material_of(const aiMaterial& from, Pictures& pictures) {
+Result<SourceMesh::Material> material_of(const aiMaterial& from, bool is_linear, Pictures& pictures) {
   SourceMesh::Material material;
   aiColor4D colour(1, 1, 1, 1);
   if (from.Get(AI_MATKEY_BASE_COLOR, colour) != AI_SUCCESS) (void)from.Get(AI_MATKEY_COLOR_DIFFUSE, colour);
   float opacity = 1;
   if (from.Get(AI_MATKEY_OPACITY, opacity) == AI_SUCCESS && colour.a == 1.0f) colour.a = opacity;
+  if (is_linear)
+    for (float* c : {&colour.r, &colour.g, &colour.b}) *c = srgb_of_linear(*c);
   material.colour = {code_of(colour.r), code_of(colour.g), code_of(colour.b), code_of(colour.a)};
   for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
     aiString name;
@@ -147,6 +162,7 @@ void add_part(const aiMesh& part, bool z_up, SourceMesh& mesh) {
 Result<SourceMesh> read_model(const fs::path& file) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kSmoothDegrees);
   const aiScene* scene = importer.ReadFile(
       file.string(), aiProcess_Triangulate | aiProcess_FindDegenerates | aiProcess_FindInvalidData |
                          aiProcess_SortByPType | aiProcess_PreTransformVertices | aiProcess_GenSmoothNormals |
@@ -156,7 +172,7 @@ Result<SourceMesh> read_model(const fs::path& file) {
   SourceMesh mesh;
   Pictures pictures(*scene, file.parent_path(), mesh);
   for (unsigned m = 0; m < scene->mNumMaterials; ++m) {
-    auto material = material_of(*scene->mMaterials[m], pictures);
+    auto material = material_of(*scene->mMaterials[m], has_linear_colours(file), pictures);
     if (!material) return material.error();
     mesh.palette.push_back(*material);
   }
