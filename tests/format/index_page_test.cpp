@@ -72,7 +72,7 @@ TEST_CASE("tile numbers: a level follows the one above, children stand together,
       CHECK(tile_of_number(tile_number({0, x, y})) == TileId{0, x, y});
   }
   CHECK(tile_of_key(index_key_of(Layer::water, {2, 5, 7}))->layer == Layer::water);
-  CHECK_FALSE(tile_of_key(std::uint64_t{5} << 59));
+  CHECK_FALSE(tile_of_key(std::uint64_t{kLayers} << 59));
   CHECK(index_key_of(Layer::heights, {20, 300'000'000, 188'000'000}) <
         index_key_of(Layer::imagery, {-9, 0, 0}));
 }

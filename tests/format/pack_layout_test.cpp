@@ -137,7 +137,7 @@ TEST_CASE("a header with a right checksum and an impossible field is refused, an
 
 TEST_CASE("a header names its body and its datum, also those that the program does not know") {
   PackHeader header = some_header();
-  header.body = {"Moon", 1737400, 1737400};
+  header.body = {"Moon", {1737400, 1737400}};
   header.vertical_datum = VerticalDatum::unknown;
   header.other_datum = "LOLA sphere";
   const auto back = decode_header(encode_header(header));
