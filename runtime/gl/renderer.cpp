@@ -34,10 +34,20 @@ enum Location : GLint {
   kHorizon = 8,
   kEyeLow = 9,
   kLowest = 10,
-  kRadii = 11
+  kRadii = 11,
+  kSea = 12,
+  kContours = 13
 };
 constexpr double kFarthestDepth = 1e-30;  // of ground: none is so far that its own would be as small
-enum LookBits : GLuint { kLevelColours = 1, kFog = 2, kEarth = 4, kDither = 8, kShadows = 16 };
+enum LookBits : GLuint {
+  kLevelColours = 1,
+  kFog = 2,
+  kEarth = 4,
+  kDither = 8,
+  kShadows = 16,
+  kWater = 32,
+  kSlopes = 64
+};
 
 }  // namespace
 
@@ -77,7 +87,12 @@ void Renderer::State::set_uniforms(const Camera& camera, const GlLook& look) {
   glProgramUniform1f(sky.name(), kLowest, static_cast<float>(std::min(camera.lowest_m, 0.0)));
   const GLuint look_bits = (look.level_colours ? kLevelColours : 0u) |
                            (look.fog && look.is_earth ? kFog : 0u) | (look.is_earth ? kEarth : 0u) |
-                           (look.dithers ? kDither : 0u) | (look.shadows ? kShadows : 0u);
+                           (look.dithers ? kDither : 0u) | (look.shadows ? kShadows : 0u) |
+                           (look.sea_m && look.is_earth ? kWater : 0u) | (look.slope_colours ? kSlopes : 0u);
+  glProgramUniform1f(program, kContours, static_cast<float>(look.contours_m));
+  for (const GLuint each : {program, sky.name()}) {
+    glProgramUniform1f(each, kSea, static_cast<float>(look.sea_m.value_or(0)));
+  }
   const auto a = static_cast<float>(camera.view.ellipsoid.semi_major_m);
   const auto b = static_cast<float>(camera.view.ellipsoid.semi_minor_m);
   for (const GLuint each : {program, sky.name(), object.name()}) {

@@ -51,6 +51,10 @@ void declare(CLI::App& app, cairn::viewer::Options& o) {
   app.add_option("--samples", o.samples, "samples per pixel, which smooth edges; 1 for none")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  app.add_option("--sea", o.sea_m,
+                 "draw ground at this height and below, metres in the pack's vertical datum, as sea");
+  app.add_option("--contours", o.contours_m, "metres between contour lines")->check(CLI::PositiveNumber);
+  app.add_flag("--slopes", o.slopes, "colours of slopes: a class for each 5 degrees from 25 on");
   app.add_flag("--no-shadows", o.no_shadows, "ground casts no shadows");
   app.add_flag("--no-dither", o.no_dither,
                "no noise of one step of 8 bits, which keeps the sky free of bands");

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace cairn::viewer {
@@ -25,6 +26,9 @@ struct Options {
   double object_px = 2;
   bool no_objects = false;
   int samples = 4;  ///< a pixel
+  std::optional<double> sea_m;
+  double contours_m = 0;
+  bool slopes = false;
   bool no_shadows = false;
   bool no_dither = false;
   bool no_fog = false;

@@ -96,6 +96,14 @@ bool draw_settings(PanelState& state, FrameLook& look) {
   ImGui::Checkbox("shadows", &look.shadows);
   ImGui::SameLine();
   ImGui::Checkbox("objects", &look.objects);
+  bool has_sea = look.sea_m.has_value();
+  if (ImGui::Checkbox("sea at 0", &has_sea)) look.sea_m = has_sea ? std::optional(0.0) : std::nullopt;
+  ImGui::SameLine();
+  ImGui::Checkbox("slopes", &look.slope_colours);
+  float contours = static_cast<float>(look.contours_m);
+  if (ImGui::SliderFloat("contours, m", &contours, 0, 500, "%.0f")) {
+    look.contours_m = static_cast<double>(contours);
+  }
   float hour = static_cast<float>(state.hour), tolerance = static_cast<float>(look.tolerance_px);
   if (ImGui::SliderFloat("hour", &hour, 0, 24, "%.1f")) state.hour = static_cast<double>(hour);
   if (ImGui::SliderFloat("pixels of error", &tolerance, 0.1f, 20, "%.1f")) {

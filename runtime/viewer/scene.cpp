@@ -174,6 +174,9 @@ std::vector<Error> Scene::take_errors() {
 Result<FrameLook> look_of(const Options& options) {
   FrameLook look;
   look.fog = !options.no_fog;
+  look.sea_m = options.sea_m;
+  look.contours_m = options.contours_m;
+  look.slope_colours = options.slopes;
   look.shadows = !options.no_shadows;
   look.dithers = !options.no_dither;
   look.wireframe = options.wireframe;

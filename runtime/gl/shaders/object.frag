@@ -6,6 +6,7 @@ layout(location = 3) uniform vec3 eye_geocentric;
 layout(location = 4) uniform vec3 to_sun;
 layout(location = 5) uniform float eye_height;
 layout(location = 6) uniform uint look;  // bits: 2 fog, 4 the Earth, 8 dithering
+layout(location = 11) uniform vec3 radii;  // of the ellipsoid
 layout(location = 12) uniform uint views;
 
 layout(location = 0) in vec2 place;
@@ -28,6 +29,6 @@ void main() {
   if (texel.a < 0.5) discard;
   vec3 normal = normalize(facing);
   if (views == 0u && !gl_FrontFacing) normal = -normal;
-  vec3 lit = lit_colour(texel.rgb, normal, up, 1.0, length(from_eye), eye_height + dot(from_eye, up));
+  vec3 lit = seen_colour(texel.rgb, normal, up, eye_height + dot(from_eye, up), from_eye, 1.0);
   colour = vec4((look & 8u) != 0u ? dithered(lit) : lit, 1.0);
 }

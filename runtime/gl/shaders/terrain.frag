@@ -12,8 +12,10 @@ layout(location = 7) uniform float quantum;
 layout(location = 3) uniform vec3 eye_geocentric;
 layout(location = 4) uniform vec3 to_sun;
 layout(location = 5) uniform float eye_height;
-layout(location = 6) uniform uint look;  // bits: 1 level colours, 2 fog, 4 the Earth, 8 dithering, 16 shadows
+layout(location = 6) uniform uint look;  // bits: 1 level colours, 2 fog, 4 the Earth, 8 dithering, 16 shadows, 32 water, 64 slope colours
 layout(location = 11) uniform vec3 radii;  // of the ellipsoid
+layout(location = 12) uniform float sea_level;    // metres
+layout(location = 13) uniform float contour_gap;  // metres between contour lines, 0: none
 
 layout(location = 0) in vec2 patch_place;
 layout(location = 1) in vec3 from_eye;
@@ -28,6 +30,7 @@ layout(location = 0) out vec4 colour;
 
 #include "dither.glsl"
 #include "light.glsl"
+#include "water.glsl"
 
 // Hypsometric tint, linear RGB: water at 0 and below, as the sea is 0 in most sources, then lowland green to snow.
 vec3 tint(float h) {
@@ -154,6 +157,41 @@ float sun_share() {
   return smoothstep(-0.267, 0.267, -rise);
 }
 
+// Single precision gives a height no better than this, metres.
+const float kHeightStep = 0.02;
+
+// Ground at a height below that of the sea, seen through water. A source's sea at this very height says nothing of its depth.
+vec3 under_water(vec3 ground, float above, float sun_seen) {
+  vec3 d = normalize(from_eye);
+  float surface = distance_to_sea(d), floor_distance = length(from_eye);
+  float through = surface >= 0.0 && above < sea_level - kHeightStep ? max(floor_distance - surface, 0.0) : -1.0;
+  return water_colour(d, surface >= 0.0 ? min(surface, floor_distance) : floor_distance, ground, through, sun_seen);
+}
+
+// Avalanche classes: below 25 degrees nothing, then 30, 35, 40 and 45.
+vec3 slope_colour(float cosine, vec3 ground) {
+  float degrees_ = degrees(acos(clamp(cosine, -1.0, 1.0)));
+  vec3 of = degrees_ < 25.0   ? ground
+            : degrees_ < 30.0 ? vec3(0.95, 0.85, 0.20)
+            : degrees_ < 35.0 ? vec3(0.90, 0.50, 0.10)
+            : degrees_ < 40.0 ? vec3(0.80, 0.10, 0.08)
+            : degrees_ < 45.0 ? vec3(0.55, 0.08, 0.40)
+                              : vec3(0.20, 0.08, 0.35);
+  return mix(ground, of, degrees_ < 25.0 ? 0.0 : 0.65);
+}
+
+// Lines of equal height, a pixel and a half wide, each fifth twice as strong; they fade where they would touch.
+vec3 with_contours(vec3 ground, float above) {
+  float lines = above / contour_gap;
+  float per_pixel = max(fwidth(height) / contour_gap, 1e-6);
+  float nearest = round(lines);
+  bool is_fifth = mod(nearest, 5.0) == 0.0;
+  float wide = is_fifth ? 1.1 : 0.7;
+  float line = 1.0 - smoothstep(wide - 0.5, wide + 0.5, abs(lines - nearest) / per_pixel);
+  float room = 1.0 - smoothstep(0.12, 0.35, is_fifth ? per_pixel / 5.0 : per_pixel);
+  return mix(ground, vec3(0.10, 0.05, 0.02), line * room * (is_fifth ? 0.9 : 0.6));
+}
+
 void main() {
   vec3 up = normalize((eye_geocentric + from_eye) / (radii * radii));
   // Ground without heights is flat. Its underside shows through voids only, from beyond the horizon.
@@ -163,6 +201,19 @@ void main() {
   vec3 n = normal_east_north_up();
   vec3 normal = n.x * east + n.y * north + n.z * up;
 
-  vec3 lit = lit_colour(surface_colour(up), normal, up, sun_share(), length(from_eye), height);
+  float above = has_heights() ? tile_height() : 0.0;
+  float sun_seen = sun_share();
+  bool is_sea = (look & 32u) != 0u && has_heights() && above < sea_level + kHeightStep;
+  vec3 ground = surface_colour(up);
+  if ((look & 64u) != 0u && has_heights() && !is_sea) ground = slope_colour(n.z, ground);
+  if (contour_gap > 0.0 && has_heights()) ground = with_contours(ground, above);
+  vec3 lit;
+  if (is_sea && eye_height > sea_level) {
+    // The air is in front of the water, not in it.
+    float day = smoothstep(-0.12, 0.15, dot(up, to_sun));
+    lit = under_water(ground * (0.2 + 0.8 * max(dot(normal, to_sun), 0.0)) * day, above, sun_seen);
+  } else {
+    lit = seen_colour(ground, normal, up, above, from_eye, sun_seen);
+  }
   colour = vec4((look & 8u) != 0u ? dithered(lit) : lit, 1.0);
 }

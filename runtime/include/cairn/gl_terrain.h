@@ -31,7 +31,13 @@ struct GlLook {
   bool objects = true;      ///< what stands on the ground is drawn too
   bool depth_only = false;  ///< no colour is written, and no sky
   bool wireframe = false;
-  bool dithers = false;        ///< noise of a step of 8 bits, so that the sky shows no bands
+  bool dithers = false;  ///< noise of a step of 8 bits, so that the sky shows no bands
+  /// Ground at this height and below lies under water, metres in the pack's vertical datum: all of it, also
+  /// dry land, for a pack says of no place whether it is sea. From below the surface nothing of it is seen.
+  /// The Earth only.
+  std::optional<double> sea_m;
+  double contours_m = 0;       ///< between lines of equal height, each fifth a strong one; 0: none
+  bool slope_colours = false;  ///< from 25° on a colour for each 5°
   bool level_colours = false;  ///< a colour for each level of the tiles instead of imagery or tint
 };
 
