@@ -164,7 +164,7 @@ TEST_CASE("an empty pack opens and has nothing") {
   CHECK_FALSE(reader->find_nearest(Layer::heights, {0, 0, 0}));
 }
 
-TEST_CASE("every prefix of a small pack, and a byte too many, is refused") {
+TEST_CASE("every prefix of a small pack, and a byte too many, is refused", "[slow]") {
   const test::TempDir dir;
   const fs::path path = small_pack(dir);
   auto bytes = test::read_bytes(path);

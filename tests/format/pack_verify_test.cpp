@@ -228,7 +228,7 @@ TEST_CASE("verify finds sums over a level that are not those of its entries") {
   CHECK_FALSE(found([](PackLevel&) {}));
 }
 
-TEST_CASE("verify finds a page of the index that is damaged, and bytes of the index in no page") {
+TEST_CASE("verify finds a page of the index that is damaged, and bytes of the index in no page", "[slow]") {
   const test::TempDir dir;
   const fs::path path = dir.path() / "a.cairn";
   auto writer = PackWriter::create(path, test::test_header());

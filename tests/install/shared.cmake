@@ -1,8 +1,10 @@
-# Builds the libraries shared, several files in a unit, and uses their installed tree as run.cmake uses the static one's.
-# A local name that two files of a unit define shows here. Nothing is optimised, so that it takes a fraction of the build's time.
+# Links the libraries shared and uses their installed tree as run.cmake uses the static one's. Objects of the build are position-
+# independent, so that they serve here, too: what is compiled with equal options is taken from there.
 set(shared ${BUILD}/shared)
-set(configure -S ${SOURCE} -B ${shared} -G Ninja -D BUILD_SHARED_LIBS=ON -D CAIRN_UNITY=ON -D CAIRN_TESTS=OFF
-              -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS_DEBUG=-O0)
+file(REMOVE_RECURSE ${shared})
+separate_arguments(options UNIX_COMMAND "${OPTIONS}")
+set(configure -S ${SOURCE} -B ${shared} -G Ninja -D BUILD_SHARED_LIBS=ON -D CAIRN_TESTS=OFF ${options}
+              "-DCMAKE_CXX_COMPILER_LAUNCHER=${SOURCE}/tests/install/reuse_object\\;${BUILD}\\;${shared}")
 set(build --build ${shared} -- --quiet)
 foreach(step configure build)
   execute_process(COMMAND ${CMAKE_COMMAND} ${${step}} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)

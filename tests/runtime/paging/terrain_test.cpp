@@ -222,7 +222,7 @@ TEST_CASE("10,000 moves with 1, 2 and 4 workers: no hole, never over the budget,
   CHECK(*maps.begin() == expected_map(pack, RandomFlight(17).home(), {}));
 }
 
-TEST_CASE("10,000 moves over a slow disk") {
+TEST_CASE("10,000 moves over a slow disk", "[slow]") {
   const FlightPack pack;
   Faults faults;
   faults.longest_delay_ms = 50;
@@ -232,7 +232,7 @@ TEST_CASE("10,000 moves over a slow disk") {
   CHECK(result.final_map == expected_map(pack, RandomFlight(17).home(), {}));
 }
 
-TEST_CASE("10,000 moves over a disk that fails one read in a hundred") {
+TEST_CASE("10,000 moves over a disk that fails one read in a hundred", "[slow]") {
   const FlightPack pack;
   Faults faults;
   faults.failing_share = 0.01;
@@ -243,7 +243,8 @@ TEST_CASE("10,000 moves over a disk that fails one read in a hundred") {
   CHECK(result.final_map == expected_map(pack, RandomFlight(17).home(), {}));
 }
 
-TEST_CASE("10,000 moves over a pack with damaged tiles: each is reported once and an ancestor drawn") {
+TEST_CASE("10,000 moves over a pack with damaged tiles: each is reported once and an ancestor drawn",
+          "[slow]") {
   const FlightPack pack;
   for (const double share : {0.001, 0.05}) {
     Faults faults;
@@ -534,7 +535,7 @@ TEST_CASE("a tile of one colour becomes a texture of that colour") {
   }
 }
 
-TEST_CASE("what lies ahead is loaded before the eye gets there") {
+TEST_CASE("what lies ahead is loaded before the eye gets there", "[slow]") {
   const FlightPack pack;
   const auto behind = [&](double look_ahead_s) {
     TerrainOptions options = small_options(2, 96);

@@ -144,7 +144,8 @@ void add_walls(const SurfacePlan& plan, const SurfaceWalls& walls, EdgeCount& ed
 
 }  // namespace
 
-TEST_CASE("patches and the walls between them are closed: their edges belong to two, to the last bit") {
+TEST_CASE("patches and the walls between them are closed: their edges belong to two, to the last bit",
+          "[slow]") {
   std::mt19937 random(7);
   Surfaces surfaces;
   const std::vector<TileId> eyes = {tile_at({10.3, 45.7}, 9),     tile_at({179.9999, 3.2}, 11),
