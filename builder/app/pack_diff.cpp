@@ -19,7 +19,7 @@
 namespace cairn {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
 constexpr std::size_t kTilesATask = 32;
 constexpr std::size_t kTasksAtATime = 64;
@@ -31,11 +31,12 @@ struct TileKey {
   Presence presence;
 };
 
-std::string text_of(const Json& value) {
-  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string text_of(const SortedJson& value) {
+  return value.dump(-1, ' ', false, SortedJson::error_handler_t::replace);
 }
 
-void note(std::vector<ValueDifference>& out, const std::string& key, const Json& a, const Json& b) {
+void note(std::vector<ValueDifference>& out, const std::string& key, const SortedJson& a,
+          const SortedJson& b) {
   if (a != b) out.push_back({key, text_of(a), text_of(b)});
 }
 
@@ -50,11 +51,11 @@ std::vector<ValueDifference> diff_headers(const PackHeader& a, const PackHeader&
   return out;
 }
 
-std::vector<ValueDifference> diff_metadata(const Json& a, const Json& b) {
-  const Json flat_a = a.flatten(), flat_b = b.flatten();
+std::vector<ValueDifference> diff_metadata(const SortedJson& a, const SortedJson& b) {
+  const SortedJson flat_a = a.flatten(), flat_b = b.flatten();
   std::vector<ValueDifference> out;
   for (const auto& [key, value] : flat_a.items())
-    note(out, key, value, flat_b.contains(key) ? flat_b.at(key) : Json());
+    note(out, key, value, flat_b.contains(key) ? flat_b.at(key) : SortedJson());
   for (const auto& [key, value] : flat_b.items())
     if (!flat_a.contains(key)) out.push_back({key, "null", text_of(value)});
   return out;

@@ -16,7 +16,7 @@
 namespace cairn {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
 bool differ(double measured, double stated) {
   return std::abs(measured - stated) > 1e-9 * (1 + std::abs(stated));
@@ -53,7 +53,7 @@ Result<std::vector<Finding>> verify_against(const PackReader& pack, const std::v
   if (!measured) return measured.error();
 
   std::vector<Finding> findings;
-  const Json& accuracy = metadata->at("accuracy");
+  const SortedJson& accuracy = metadata->at("accuracy");
   if (const auto& excess = measured->excess()) {
     findings.push_back(
         {"accuracy", fmt::format("expected every post within {} m, found {} m at lon {} lat {}",

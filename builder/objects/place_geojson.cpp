@@ -10,13 +10,13 @@
 namespace cairn {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
-std::string text_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 60);
+std::string text_of(const SortedJson& json) {
+  return json.dump(-1, ' ', false, SortedJson::error_handler_t::replace).substr(0, 60);
 }
 
-Status read_number(const Json& properties, const char* key, double& value) {
+Status read_number(const SortedJson& properties, const char* key, double& value) {
   const auto found = properties.find(key);
   if (found == properties.end() || found->is_null()) return {};
   if (!found->is_number())
@@ -25,7 +25,7 @@ Status read_number(const Json& properties, const char* key, double& value) {
   return {};
 }
 
-Status read_word(const Json& properties, const char* key, std::string& word) {
+Status read_word(const SortedJson& properties, const char* key, std::string& word) {
   const auto found = properties.find(key);
   if (found == properties.end() || found->is_null()) return {};
   if (!found->is_string()) return bad_data(fmt::format("{}: expected text, found {}", key, text_of(*found)));
@@ -33,7 +33,7 @@ Status read_word(const Json& properties, const char* key, std::string& word) {
   return {};
 }
 
-Status read_properties(const Json& properties, ObjectPlace& place) {
+Status read_properties(const SortedJson& properties, ObjectPlace& place) {
   if (!properties.is_object())
     return bad_data(fmt::format("properties: expected an object, found {}", text_of(properties)));
   std::string mode = "ground";
@@ -46,7 +46,7 @@ Status read_properties(const Json& properties, ObjectPlace& place) {
   return set_mode(mode, place);
 }
 
-Status read_position(const Json& position, LonLat& at) {
+Status read_position(const SortedJson& position, LonLat& at) {
   const bool good =
       position.is_array() && position.size() >= 2 && position[0].is_number() && position[1].is_number();
   if (!good)
@@ -55,21 +55,22 @@ Status read_position(const Json& position, LonLat& at) {
   return {};
 }
 
-Status read_feature(const Json& feature, const TakePlace& take) {
+Status read_feature(const SortedJson& feature, const TakePlace& take) {
   const auto member = [&feature](const char* key) {
-    return feature.is_object() && feature.contains(key) ? feature.at(key) : Json();
+    return feature.is_object() && feature.contains(key) ? feature.at(key) : SortedJson();
   };
-  const Json geometry = member("geometry");
-  const Json type = geometry.is_object() && geometry.contains("type") ? geometry.at("type") : Json();
+  const SortedJson geometry = member("geometry");
+  const SortedJson type =
+      geometry.is_object() && geometry.contains("type") ? geometry.at("type") : SortedJson();
   if (type != "Point" && type != "MultiPoint")
     return bad_data(fmt::format("geometry: expected a Point or a MultiPoint, found {}", text_of(type)));
-  const Json coordinates = geometry.contains("coordinates") ? geometry.at("coordinates") : Json();
+  const SortedJson coordinates = geometry.contains("coordinates") ? geometry.at("coordinates") : SortedJson();
   ObjectPlace place;
   if (auto status = read_properties(member("properties"), place); !status) return status;
-  const Json positions = type == "Point" ? Json::array({coordinates}) : coordinates;
+  const SortedJson positions = type == "Point" ? SortedJson::array({coordinates}) : coordinates;
   if (!positions.is_array())
     return bad_data(fmt::format("coordinates: expected an array, found {}", text_of(coordinates)));
-  for (const Json& position : positions) {
+  for (const SortedJson& position : positions) {
     if (auto status = read_position(position, place.at); !status) return status;
     if (auto status = check_place(place); !status) return status;
     if (auto status = take(place); !status) return status;
@@ -82,9 +83,9 @@ Status read_feature(const Json& feature, const TakePlace& take) {
 Status read_places_geojson(const std::filesystem::path& file, const TakePlace& take) {
   std::ifstream in(file, std::ios::binary);
   if (!in) return failed(file.string() + ": expected a file that can be read, found none");
-  const Json json = Json::parse(in, nullptr, false);
-  const Json type = json.is_object() && json.contains("type") ? json.at("type") : Json();
-  Json features = Json::array();
+  const SortedJson json = SortedJson::parse(in, nullptr, false);
+  const SortedJson type = json.is_object() && json.contains("type") ? json.at("type") : SortedJson();
+  SortedJson features = SortedJson::array();
   if (type == "Feature") features.push_back(json);
   if (type == "FeatureCollection" && json.contains("features")) features = json.at("features");
   if (!features.is_array() || features.empty())

@@ -10,27 +10,27 @@
 namespace cairn {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
 // JSON has no NaN and no infinity.
-Json json_of(double value) {
+SortedJson json_of(double value) {
   if (std::isfinite(value)) return value;
   return std::to_string(std::bit_cast<std::uint64_t>(value));
 }
 
-double number_from(const Json& json) {
+double number_from(const SortedJson& json) {
   if (json.is_number()) return json.get<double>();
   return std::bit_cast<double>(static_cast<std::uint64_t>(std::stoull(json.get<std::string>())));
 }
 
-Json json_of(const Georeference& g) {
-  Json json{{"crs", static_cast<int>(g.crs)},
-            {"x0", json_of(g.x0)},
-            {"y0", json_of(g.y0)},
-            {"dx", json_of(g.dx)},
-            {"dy", json_of(g.dy)},
-            {"x_per_row", json_of(g.x_per_row)},
-            {"y_per_column", json_of(g.y_per_column)}};
+SortedJson json_of(const Georeference& g) {
+  SortedJson json{{"crs", static_cast<int>(g.crs)},
+                  {"x0", json_of(g.x0)},
+                  {"y0", json_of(g.y0)},
+                  {"dx", json_of(g.dx)},
+                  {"dy", json_of(g.dy)},
+                  {"x_per_row", json_of(g.x_per_row)},
+                  {"y_per_column", json_of(g.y_per_column)}};
   if (g.crs == Georeference::Crs::utm) {
     json["zone"] = g.utm_zone;
     json["north"] = g.utm_north;
@@ -41,7 +41,7 @@ Json json_of(const Georeference& g) {
   return json;
 }
 
-Georeference georeference_from(const Json& json) {
+Georeference georeference_from(const SortedJson& json) {
   Georeference g;
   g.crs = static_cast<Georeference::Crs>(json.at("crs").get<int>());
   g.utm_zone = json.value("zone", g.utm_zone);
@@ -57,7 +57,7 @@ Georeference georeference_from(const Json& json) {
   return g;
 }
 
-RasterInfo described(const Json& json) {
+RasterInfo described(const SortedJson& json) {
   RasterInfo info;
   info.path = json.at("path").get<std::string>();
   info.format = json.at("format").get<std::string>();
@@ -67,15 +67,15 @@ RasterInfo described(const Json& json) {
   info.type = static_cast<SampleType>(json.at("type").get<int>());
   info.whole_metres = json.at("whole_metres").get<bool>();
   info.georeference = georeference_from(json.at("georeference"));
-  const Json& body = json.at("body");
+  const SortedJson& body = json.at("body");
   info.body = {body.at(0).get<std::string>(), {number_from(body.at(1)), number_from(body.at(2))}};
-  const Json& bounds = json.at("bounds");
+  const SortedJson& bounds = json.at("bounds");
   info.bounds = {number_from(bounds.at(0)), number_from(bounds.at(1)), number_from(bounds.at(2)),
                  number_from(bounds.at(3))};
   if (json.contains("nodata")) info.nodata = number_from(json.at("nodata"));
   info.unit = json.value("unit", "");
   if (json.contains("vertical")) {
-    const Json& vertical = json.at("vertical");
+    const SortedJson& vertical = json.at("vertical");
     info.vertical = VerticalReference{vertical.at("name").get<std::string>(),
                                       static_cast<VerticalDatum>(vertical.at("datum").get<int>())};
   }
@@ -99,10 +99,10 @@ Status find_transform(const std::string& operation, RasterInfo& info) {
 }  // namespace
 
 // The structures are taken apart so that a member which is added to one stops the compilation here.
-Json to_json(const RasterInfo& info) {
+SortedJson to_json(const RasterInfo& info) {
   const auto& [path, format, columns, rows, bands, type, whole_metres, georeference, body, bounds, nodata,
                unit, vertical, overrides] = info;
-  Json json{
+  SortedJson json{
       {"path", path.string()},
       {"format", format},
       {"columns", columns},
@@ -119,7 +119,7 @@ Json to_json(const RasterInfo& info) {
   return json;
 }
 
-Result<RasterInfo> raster_info_from(const Json& json) {
+Result<RasterInfo> raster_info_from(const SortedJson& json) {
   RasterInfo info;
   std::string operation;
   try {

@@ -13,12 +13,12 @@
 namespace cairn {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
 // The first record of a part: its description as JSON.
 std::vector<std::byte> encode(const PartDescription& d) {
-  const std::string text = Json{{"cairn_part", 1},  {"cairn", d.version}, {"plan", hex_of(d.plan)},
-                                {"shard", d.shard}, {"shards", d.shards}, {"units", d.units}}
+  const std::string text = SortedJson{{"cairn_part", 1},  {"cairn", d.version}, {"plan", hex_of(d.plan)},
+                                      {"shard", d.shard}, {"shards", d.shards}, {"units", d.units}}
                                .dump();
   const auto bytes = std::as_bytes(std::span(text));
   return {bytes.begin(), bytes.end()};
@@ -26,8 +26,8 @@ std::vector<std::byte> encode(const PartDescription& d) {
 
 std::optional<PartDescription> decode(std::span<const std::byte> bytes) {
   const auto* text = reinterpret_cast<const char*>(bytes.data());
-  const Json json = Json::parse(text, text + bytes.size(), nullptr, false);
-  if (!json.is_object() || json.value("cairn_part", Json()) != 1) return std::nullopt;
+  const SortedJson json = SortedJson::parse(text, text + bytes.size(), nullptr, false);
+  if (!json.is_object() || json.value("cairn_part", SortedJson()) != 1) return std::nullopt;
   try {
     return PartDescription{json.at("cairn").get<std::string>(),
                            std::stoull(json.at("plan").get<std::string>(), nullptr, 16),

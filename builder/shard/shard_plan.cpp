@@ -14,56 +14,56 @@
 namespace cairn {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr int kPlanVersion = 1;
 
-std::uint64_t number_from_hex(const Json& json) {
+std::uint64_t number_from_hex(const SortedJson& json) {
   const auto text = json.get<std::string>();
   std::uint64_t number = 0;
   std::from_chars(text.data(), text.data() + text.size(), number, 16);
   return number;
 }
 
-Json json_of(const PlannedFile& file) {
-  Json json{{"path", file.path.string()}, {"bytes", file.bytes}, {"xxh3", hex_of(file.hash)}};
+SortedJson json_of(const PlannedFile& file) {
+  SortedJson json{{"path", file.path.string()}, {"bytes", file.bytes}, {"xxh3", hex_of(file.hash)}};
   for (const PlannedFile& other : file.beside) json["beside"].push_back(json_of(other));
   return json;
 }
 
-PlannedFile file_from(const Json& json) {
+PlannedFile file_from(const SortedJson& json) {
   PlannedFile file{json.at("path").get<std::string>(),
                    json.at("bytes").get<std::uint64_t>(),
                    number_from_hex(json.at("xxh3")),
                    {}};
   if (json.contains("beside"))
-    for (const Json& other : json.at("beside")) file.beside.push_back(file_from(other));
+    for (const SortedJson& other : json.at("beside")) file.beside.push_back(file_from(other));
   return file;
 }
 
-Json json_of(const ShardTiles& tiles) {
-  Json json{{"leaves", tiles.leaves}, {"subtrees", Json::array()}};
+SortedJson json_of(const ShardTiles& tiles) {
+  SortedJson json{{"leaves", tiles.leaves}, {"subtrees", SortedJson::array()}};
   for (const TileId& id : tiles.subtrees) json["subtrees"].push_back({id.level, id.x, id.y});
   return json;
 }
 
-ShardTiles tiles_from(const Json& json) {
+ShardTiles tiles_from(const SortedJson& json) {
   ShardTiles tiles;
   tiles.leaves = json.at("leaves").get<std::uint64_t>();
-  for (const Json& id : json.at("subtrees")) {
+  for (const SortedJson& id : json.at("subtrees")) {
     tiles.subtrees.push_back(
         {id.at(0).get<int>(), id.at(1).get<std::int32_t>(), id.at(2).get<std::int32_t>()});
   }
   return tiles;
 }
 
-Json json_of(const ShardPlan& plan) {
-  Json json{
+SortedJson json_of(const ShardPlan& plan) {
+  SortedJson json{
       {"cairn_plan", kPlanVersion},      {"cairn", plan.version},         {"options", plan.options},
       {"allow_error", plan.allow_error}, {"with_geoid", plan.with_geoid}, {"memory_bytes", plan.memory_bytes},
-      {"files", Json::array()},          {"dems", Json::array()},         {"images", Json::array()},
-      {"has_voids", plan.has_voids},     {"shards", Json::array()}};
+      {"files", SortedJson::array()},    {"dems", SortedJson::array()},   {"images", SortedJson::array()},
+      {"has_voids", plan.has_voids},     {"shards", SortedJson::array()}};
   for (const PlannedFile& file : plan.files) json["files"].push_back(json_of(file));
   for (const RasterInfo& info : plan.dems) json["dems"].push_back(to_json(info));
   for (const RasterInfo& info : plan.images) json["images"].push_back(to_json(info));
@@ -79,21 +79,21 @@ Json json_of(const ShardPlan& plan) {
 }
 
 // The folders may be other ones on another machine.
-void drop_folders(Json& json) {
+void drop_folders(SortedJson& json) {
   if (json.is_object() && json.contains("path"))
     json["path"] = fs::path(json["path"].get<std::string>()).filename().string();
   if (json.is_structured())
     for (auto& member : json) drop_folders(member);
 }
 
-std::uint64_t id_of(Json json) {
+std::uint64_t id_of(SortedJson json) {
   json.erase("id");
   drop_folders(json);
   const std::string text = json.dump();
   return checksum(std::as_bytes(std::span(text)));
 }
 
-ShardPlan plan_from(const Json& json) {
+ShardPlan plan_from(const SortedJson& json) {
   ShardPlan plan;
   plan.version = json.at("cairn").get<std::string>();
   plan.options = json.at("options");
@@ -101,8 +101,8 @@ ShardPlan plan_from(const Json& json) {
   plan.with_geoid = json.at("with_geoid").get<bool>();
   plan.memory_bytes = json.at("memory_bytes").get<std::uint64_t>();
   plan.has_voids = json.at("has_voids").get<std::vector<std::uint8_t>>();
-  for (const Json& file : json.at("files")) plan.files.push_back(file_from(file));
-  for (const Json& shard : json.at("shards")) {
+  for (const SortedJson& file : json.at("files")) plan.files.push_back(file_from(file));
+  for (const SortedJson& shard : json.at("shards")) {
     plan.shards.push_back({tiles_from(shard.at("heights")), tiles_from(shard.at("imagery")),
                            shard.at("files").get<std::vector<std::size_t>>(),
                            shard.at("estimated_bytes").get<std::uint64_t>(),
@@ -111,8 +111,8 @@ ShardPlan plan_from(const Json& json) {
   return plan;
 }
 
-Status read_sources(const Json& json, std::vector<RasterInfo>& sources) {
-  for (const Json& source : json) {
+Status read_sources(const SortedJson& json, std::vector<RasterInfo>& sources) {
+  for (const SortedJson& source : json) {
     auto info = raster_info_from(source);
     if (!info) return info.error();
     sources.push_back(std::move(*info));
@@ -138,7 +138,7 @@ std::string hex_of(std::uint64_t number) {
 }
 
 Status write_shard_plan(ShardPlan& plan, const fs::path& target) {
-  Json json = json_of(plan);
+  SortedJson json = json_of(plan);
   const fs::path part = fs::path(target).concat(".part");
   try {
     plan.id = id_of(json);
@@ -146,7 +146,7 @@ Status write_shard_plan(ShardPlan& plan, const fs::path& target) {
     std::ofstream out(part, std::ios::binary);
     out << json.dump(1) << '\n';
     if (!out.flush()) return failed(part.string() + ": plan: expected to write it, found an unwritable file");
-  } catch (const Json::exception&) {
+  } catch (const SortedJson::exception&) {
     return bad_data(target.string() + ": plan: expected names of files in UTF-8, found others");
   }
   return rename_durably(part, target);
@@ -156,8 +156,8 @@ Result<ShardPlan> read_shard_plan(const fs::path& path) {
   const std::string name = path.string();
   std::ifstream in(path, std::ios::binary);
   if (!in) return failed(name + ": plan: expected a file that can be read, found none");
-  const Json json = Json::parse(in, nullptr, false);
-  if (!json.is_object() || json.value("cairn_plan", Json()) != kPlanVersion)
+  const SortedJson json = SortedJson::parse(in, nullptr, false);
+  if (!json.is_object() || json.value("cairn_plan", SortedJson()) != kPlanVersion)
     return bad_data(name + ": plan: expected a plan of this program, found another file");
   ShardPlan plan;
   try {
