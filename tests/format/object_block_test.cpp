@@ -99,7 +99,8 @@ TEST_CASE("the extremes of every field come back, and so do equal objects") {
 
 TEST_CASE("a block of objects takes at most 10 bytes for each before compression where they are many") {
   const ObjectTile tile = test::random_objects(20000, 30, 4);
-  ByteReader in(encode_object_block(tile));
+  const Bytes block = encode_object_block(tile);
+  ByteReader in(block);
   for (int i = 0; i < 4; ++i) (void)in.read<std::uint32_t>();
   CHECK(in.read<std::uint32_t>() <= 10 * tile.objects.size());
 }
