@@ -153,7 +153,7 @@ void add_object_options(CLI::App& verb, BakeArguments& arguments) {
                   "objects on the ground: CSV (lon,lat,model[,heading,scale,height,mode]) or GeoJSON");
   verb.add_option(
       "--models", arguments.models,
-      "the folder with their models: NAME.glb, .gltf, .obj, .dxf, …, and images NAME.WxH.png of W by H "
+      "the folder with their models: NAME.glb, .gltf, .obj, .dxf, ..., and images NAME.WxH.png of W by H "
       "metres");
 }
 

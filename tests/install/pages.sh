@@ -26,7 +26,7 @@ cd "$(mktemp -d)"
 touch some.cairn
 expect "bake" cairn ba
 expect "verify view" cairn v
-expect "--void" cairn bake --vo
+expect "--void --void-distance" cairn bake --vo
 expect "fill keep" cairn bake --void ""
 expect "compare" cairn lab co
 expect "--screenshot" cairn view --scr

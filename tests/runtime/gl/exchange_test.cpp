@@ -2,6 +2,7 @@
 // motion apart: neither when grids change nor when tiles are exchanged for finer or coarser ones.
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -93,36 +94,56 @@ class Frames {
 enum class Exchange { smooth, abrupt };
 enum class Tiles { in_time, late };
 
+/// How long a tile takes to be read: time, and frames of the flight.
+struct Delay {
+  int ms = 0;
+  int frames = 0;
+};
+
 /// A flight over a pack whose tiles take so long to read.
 class Flight {
  public:
-  Flight(const std::filesystem::path& path, int delay_ms) {
+  Flight(const std::filesystem::path& path, Delay delay) {
     Result<PackReader> reader = PackReader::open(path);
     REQUIRE(reader.ok());
     const auto pack = std::make_shared<const PackReader>(std::move(*reader));
     frames_ = std::make_unique<Frames>(pack->header(), kNoHurry);
     const ReadTile read = read_from(pack);
-    Result<Terrain> terrain = Terrain::open(pack, {}, [read, delay_ms](const IndexEntry& entry) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
+    Result<Terrain> terrain = Terrain::open(pack, {}, [this, read, delay](const IndexEntry& entry) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(delay.ms));
+      const int there = frames_drawn_ + delay.frames;
+      while (!is_waiting_ && frames_drawn_ < there) std::this_thread::sleep_for(std::chrono::milliseconds(1));
       return read(entry);
     });
     REQUIRE(terrain.ok());
     terrain_ = std::make_unique<Terrain>(std::move(*terrain));
   }
 
+  Flight(const Flight&) = delete;
+  Flight& operator=(const Flight&) = delete;
+  ~Flight() {
+    is_waiting_ = true;
+    terrain_.reset();  // its readers look at the frames drawn
+  }
+
   /// Lets tiles come until all are there.
   void wait(const ViewState& view) {
+    is_waiting_ = true;
     while (!terrain_->update(view, 0).is_complete) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    is_waiting_ = false;
   }
   void frame(const ViewState& view, Exchange exchange) {
     if (exchange == Exchange::abrupt) frames_->cut();
     frames_->frame(terrain_->update(view, 1 / 30.0), view);
     tiles_moved_ += frames_->moving();
+    ++frames_drawn_;
   }
   const Frames& frames() const { return *frames_; }
   std::size_t tiles_moved() const { return tiles_moved_; }
 
  private:
+  std::atomic<int> frames_drawn_ = 0;
+  std::atomic<bool> is_waiting_ = false;  // for tiles: they come without a delay of frames
   std::unique_ptr<Frames> frames_;
   std::unique_ptr<Terrain> terrain_;
   std::size_t tiles_moved_ = 0;
@@ -209,14 +230,15 @@ MotionPredictor motion_of(Flight& flight, const std::vector<ViewState>& path, Ti
   return motion;
 }
 
-constexpr int kLate_ms = 60;
-constexpr int kVeryLate_ms = 500;  // later than several frames of a slow machine
+constexpr Delay kInTime{};
+constexpr Delay kLate{.ms = 60};
+constexpr Delay kVeryLate{.frames = 15};  // half a second of the flight, however fast the machine is
 
 void check_smooth(const std::filesystem::path& pack, LonLat place, double ground_m) {
-  Flight pass(pack, 0);
+  Flight pass(pack, kInTime);
   motion_of(pass, pass_over(place, ground_m), Tiles::in_time, Exchange::smooth);
   CHECK(pass.tiles_moved() > 0);
-  Flight late(pack, kLate_ms);
+  Flight late(pack, kLate);
   motion_of(late, dive_to(place, ground_m), Tiles::late, Exchange::smooth);
   CHECK(late.tiles_moved() > 0);
 }
@@ -232,7 +254,7 @@ TEST_CASE(
     check_smooth(pack, ridge_places()[0], 2000);
     // The measure sees what an exchange at once does to tiles that come late. (In time, all that is exchanged
     // keeps the tolerance, so that there is little to see.)
-    Flight abrupt(pack, kVeryLate_ms);
+    Flight abrupt(pack, kVeryLate);
     CHECK(motion_of(abrupt, dive_to(ridge_places()[0], 2000), Tiles::late, Exchange::abrupt).worst_px > 2);
   }
   SECTION("Hawaii, DTED") {
