@@ -49,9 +49,15 @@ class ErrorStats {
     double error_m = 0;
     LonLat place;
   };
-  /// Holds the largest error counted so far against the error bound of these posts.
-  void hold_against(double bound_m);
-  /// Of the posts that were held against their bounds, the one that exceeds its own by most metres.
+  /// Adds the posts that measure(ErrorStats&) counts, whose error bound this is.
+  template <class Measure>
+  void add_bounded(double bound_m, const Measure& measure) {
+    ErrorStats measured;
+    measure(measured);
+    measured.hold_against(bound_m);
+    add(measured);
+  }
+  /// Of the posts of add_bounded(), the one that exceeds its error bound by most metres.
   const std::optional<Excess>& excess() const { return excess_; }
 
   /// An error that at least this share of the posts does not exceed, rounded up by less than 1 %.
@@ -68,6 +74,7 @@ class ErrorStats {
   static constexpr int kExponents = 35;
   static constexpr int kBins = kExponents << kMantissaBits;
   static std::uint32_t bin_of(double error);
+  void hold_against(double bound_m);
   void note_excess(const Excess& found);
 
   std::uint64_t count_ = 0;

@@ -58,15 +58,6 @@ SurfaceError worse_of(const SurfaceError& a, const SurfaceError& b) {
   return {std::max(a.max_m, b.max_m), a.has_holes || b.has_holes};
 }
 
-// Adds what measure() counts of one group of posts, held against the group's bound.
-template <class Measure>
-void add_held(double bound_m, ErrorStats& stats, const Measure& measure) {
-  ErrorStats of_group;
-  measure(of_group);
-  of_group.hold_against(bound_m);
-  stats.add(of_group);
-}
-
 bool has_post(const MeasuredPosts& posts) {
   return !posts.placed.empty() || std::any_of(posts.heights.begin(), posts.heights.end(),
                                               [](float height) { return !std::isnan(height); });
@@ -76,7 +67,7 @@ LeafErrors::LeafErrors(const HeightTile& tile, double quantum_m, std::span<const
                        std::span<const double> bounds_m, const PostCounting& counting)
     : tile_(tile), quantum_m_(quantum_m), posts_(posts), bounds_m_(bounds_m), counting_(counting) {
   for (std::size_t g = 0; g < posts_.size(); ++g) {
-    add_held(bounds_m_[g], own_stats_, [&](ErrorStats& stats) {
+    own_stats_.add_bounded(bounds_m_[g], [&](ErrorStats& stats) {
       own_ = worse_of(own_, measure_own_surface(tile_, quantum_m_, posts_[g], counting_, stats, own_errors_));
     });
     if (bounds_m_[g] < least_bound_m_ && has_post(posts_[g])) least_bound_m_ = bounds_m_[g];
@@ -99,7 +90,7 @@ ErrorStats LeafErrors::stats(int up, double max_m) const {
   if (max_m == 0 && own_.max_m == 0 && !own_.has_holes) return own_stats_;
   ErrorStats stats;
   for (std::size_t g = 0; g < posts_.size(); ++g) {
-    add_held(bounds_m_[g], stats, [&](ErrorStats& of_group) {
+    stats.add_bounded(bounds_m_[g], [&](ErrorStats& of_group) {
       measure_surface(tile_, quantum_m_, up, posts_[g], counting_, of_group);
     });
   }

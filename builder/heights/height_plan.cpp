@@ -59,7 +59,7 @@ TileTree::Touches touches_in(const Mosaic& mosaic, const std::optional<GeoBounds
 }  // namespace
 
 HeightPlan::HeightPlan(const Mosaic& mosaic)
-    : mosaic_(&mosaic), tree_(kMinLevel, leaf_level_in(mosaic, {})) {}
+    : mosaic_(&mosaic), error_bounds_(mosaic.error_bounds()), tree_(kMinLevel, leaf_level_in(mosaic, {})) {}
 
 Status HeightPlan::choose_levels(const MosaicOptions& asked, const GridOptions& grid) {
   const int native = mosaic_->finest_level();
@@ -71,14 +71,6 @@ Status HeightPlan::choose_levels(const MosaicOptions& asked, const GridOptions& 
                        ", found " + std::to_string(top));
   }
   return {};
-}
-
-void HeightPlan::find_error_bounds() {
-  error_bound_m_ = least_error_bound_m_ = mosaic_->error_bound_m(0);
-  for (std::size_t g = 1; g < mosaic_->groups().size(); ++g) {
-    error_bound_m_ = std::max(error_bound_m_, mosaic_->error_bound_m(g));
-    least_error_bound_m_ = std::min(least_error_bound_m_, mosaic_->error_bound_m(g));
-  }
 }
 
 // Where heights are stored as the sources have them, their own step keeps any error bound. Elsewhere rounding
@@ -108,7 +100,7 @@ void HeightPlan::choose_quantum(const MosaicOptions& asked, const HeightOptions&
     all_whole = all_whole && mosaic_->whole_metres(g);
   }
   const double step = any_whole ? step_of_whole_metres(asked.resampling) : 0;
-  quantum_m_ = heights.quantum_m.value_or(all_whole ? step : std::min(0.02, least_error_bound_m_ / 2));
+  quantum_m_ = heights.quantum_m.value_or(all_whole ? step : std::min(0.02, error_bounds_.least_m / 2));
   if (heights.quantum_m || all_whole || !any_whole) return;
   constexpr double rounding = 1e-9;
   whole_metre_step_ = std::max(1, static_cast<int>(std::floor(step / quantum_m_ + rounding)));
@@ -130,7 +122,6 @@ Result<HeightPlan> HeightPlan::make(const Mosaic& mosaic, const MosaicOptions& a
   HeightPlan plan(mosaic);
   plan.tile_size_ = grid.tile_size;
   if (auto status = plan.choose_levels(asked, grid); !status) return status.error();
-  plan.find_error_bounds();
   plan.choose_quantum(asked, heights);
   if (plan.tree_.units().empty())
     return usage_error("region: expected an area that the sources cover, found none");

@@ -21,8 +21,8 @@ class HeightPlan {
   int finest() const { return finest_; }   ///< the finest level that is stored
   /// E: what posts of a group of the mosaic may be off by; and the largest and the least of all groups.
   double error_bound_m(std::size_t group) const { return mosaic_->error_bound_m(group); }
-  double error_bound_m() const { return error_bound_m_; }
-  double least_error_bound_m() const { return least_error_bound_m_; }
+  double error_bound_m() const { return error_bounds_.largest_m; }
+  double least_error_bound_m() const { return error_bounds_.least_m; }
 
   double quantum_m() const { return quantum_m_; }
   /// In quanta: to what multiples samples are rounded that posts of whole metres alone decide
@@ -42,15 +42,13 @@ class HeightPlan {
  private:
   explicit HeightPlan(const Mosaic& mosaic);
   Status choose_levels(const MosaicOptions& asked, const GridOptions& grid);
-  void find_error_bounds();
   double step_of_whole_metres(ResampleMethod resampling) const;
   void choose_quantum(const MosaicOptions& asked, const HeightOptions& heights);
 
   const Mosaic* mosaic_;
+  Mosaic::ErrorBounds error_bounds_;
   int tile_size_ = 513;
   int finest_ = 0;
-  double error_bound_m_ = 0.5;
-  double least_error_bound_m_ = 0.5;
   double quantum_m_ = 0.25;
   int whole_metre_step_ = 1;
   TileTree tree_;

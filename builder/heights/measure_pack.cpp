@@ -67,11 +67,10 @@ Result<ErrorStats> measure_leaf(const Mosaic& mosaic, const HeightPlan& plan, co
   ErrorStats stats;
   const PostCounting counting = counting_on(plan.counting(id), *surface);
   for (std::size_t g = 0; g < sampled->posts.size(); ++g) {
-    ErrorStats of_group;
-    measure_surface(surface->tile, pack.header().quantum_m, 0, moved(sampled->posts[g], *surface), counting,
-                    of_group);
-    of_group.hold_against(plan.error_bound_m(sampled->groups[g]));
-    stats.add(of_group);
+    stats.add_bounded(plan.error_bound_m(sampled->groups[g]), [&](ErrorStats& of_group) {
+      measure_surface(surface->tile, pack.header().quantum_m, 0, moved(sampled->posts[g], *surface), counting,
+                      of_group);
+    });
   }
   return stats;
 }

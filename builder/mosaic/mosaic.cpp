@@ -109,8 +109,7 @@ void Mosaic::overlay_groups(const MosaicOptions& options) {
     groups_[g]->set_reach(groups_[g]->spacing_degrees(),
                           lies_upon_any ? std::max(layer.fade_degrees, kStep) : 0);
   }
-  double bound = error_bound_m(0);
-  for (std::size_t g = 1; g < groups_.size(); ++g) bound = std::min(bound, error_bound_m(g));
+  const double bound = error_bounds().least_m;
   overlay_.emplace(std::move(layers), kTolerance * bound, kAllowance * bound);
 }
 
@@ -136,6 +135,15 @@ bool Mosaic::is_global() const {
 
 double Mosaic::error_bound_m(std::size_t group) const {
   return asked_error_bound_m_.value_or(whole_metres_[group] ? 0.5 : 0.05);
+}
+
+Mosaic::ErrorBounds Mosaic::error_bounds() const {
+  ErrorBounds bounds{error_bound_m(0), error_bound_m(0)};
+  for (std::size_t g = 1; g < groups_.size(); ++g) {
+    bounds.least_m = std::min(bounds.least_m, error_bound_m(g));
+    bounds.largest_m = std::max(bounds.largest_m, error_bound_m(g));
+  }
+  return bounds;
 }
 
 void Mosaic::set_tolerance(std::size_t group, const SmoothTolerance& tolerance) {

@@ -61,6 +61,12 @@ class Mosaic {
   /// The error bound of the group's posts: the one asked for, else 0.5 m for whole metres and 0.05 m for
   /// others.
   double error_bound_m(std::size_t group) const;
+  /// The least and the largest error bound of any group.
+  struct ErrorBounds {
+    double least_m = 0;
+    double largest_m = 0;
+  };
+  ErrorBounds error_bounds() const;
   /// What heights are measured from.
   const MosaicDatum& datum() const { return datum_; }
   /// How smooth resampling keeps a group's posts. Before any sample() only.
