@@ -1,8 +1,12 @@
 #include "builder/pack/options_json.h"
 
 #include <array>
-#include <string_view>
+#include <concepts>
+#include <optional>
+#include <string>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -71,63 +75,187 @@ const char* word_for(Enum value) {
   return "";
 }
 
-Json json_of(const GeoBounds& b) {
-  return {{"west", b.west}, {"south", b.south}, {"east", b.east}, {"north", b.north}};
+// The members of each structure in JSON, in their order; OptionWriter and OptionReader go through them. The
+// structures are taken apart so that a member which is added to one stops the compilation here.
+template <class T, class Plain>
+concept MaybeConst = std::same_as<std::remove_const_t<T>, Plain>;
+
+template <class Visitor, MaybeConst<GeoBounds> Bounds>
+void visit_members(Visitor& visitor, Bounds& bounds) {
+  auto& [west, south, east, north] = bounds;
+  visitor.member("west", west);
+  visitor.member("south", south);
+  visitor.member("east", east);
+  visitor.member("north", north);
 }
 
-template <class T>
-void write(Json& json, const char* key, const std::optional<T>& value) {
-  if (!value) return;
-  if constexpr (std::is_same_v<T, GeoBounds>) {
-    json[key] = json_of(*value);
-  } else if constexpr (std::is_enum_v<T>) {
-    json[key] = word_for(*value);
-  } else {
-    json[key] = *value;
+template <class Visitor, MaybeConst<SourceOverrides> Overrides>
+void visit_members(Visitor& visitor, Overrides& said) {
+  auto& [band, nodata, scale, offset, unit, crs, body, latitude, longitude, sea_clamp_m, black, white,
+         priority] = said;
+  visitor.member("band", band);
+  visitor.member("nodata", nodata);
+  visitor.member("scale", scale);
+  visitor.member("offset", offset);
+  visitor.member("unit", unit);
+  visitor.member("crs", crs);
+  visitor.member("body", body);
+  visitor.member("latitude", latitude);
+  visitor.member("longitude", longitude);
+  visitor.member("sea_clamp_m", sea_clamp_m);
+  visitor.member("black", black);
+  visitor.member("white", white);
+  visitor.member("priority", priority);
+}
+
+template <class Visitor, MaybeConst<SourceRule> Rule>
+void visit_members(Visitor& visitor, Rule& rule) {
+  auto& [glob, overrides] = rule;
+  visit_members(visitor, overrides);
+  visitor.member("pattern", glob);
+}
+
+template <class Visitor, MaybeConst<ImageryOptions> Options>
+void visit_members(Visitor& visitor, Options& options) {
+  auto& [inputs, source_rules, bounds, format, quality, feather_pixels] = options;
+  visitor.member("format", format);
+  visitor.member("quality", quality);
+  visitor.member("feather_pixels", feather_pixels);
+  visitor.member("bounds", bounds);
+  visitor.member("sources", source_rules);
+}
+
+template <class Visitor, MaybeConst<BuildOptions> Options>
+void visit_members(Visitor& visitor, Options& options) {
+  auto& [grid, mosaic, heights, imagery, objects, session] = options;
+  auto& [tile_size, top, region] = grid;
+  auto& [dems, level, max_error_m, resampling, datum, geoid, source_rules, fade_posts, void_posts] = mosaic;
+  auto& [quantum_m, allow_error, voids, rqt_tolerance_m] = heights;
+  visitor.member("tile_size", tile_size);
+  visitor.member("resampling", resampling);
+  visitor.member("void", voids);
+  visitor.member("fade", fade_posts);
+  visitor.member("void_distance", void_posts);
+  visitor.member("datum", datum);
+  visitor.member("sources", source_rules);
+  visitor.member("level", level);
+  visitor.member("top", top);
+  visitor.member("region", region);
+  visitor.member("max_error", max_error_m);
+  visitor.member("quantum", quantum_m);
+  visitor.member("rqt", rqt_tolerance_m);
+  visitor.presence("geoid", geoid.has_value());
+  visitor.member("imagery", imagery);
+  visitor.presence("objects", !objects.places.empty());
+}
+
+// Writes options as members of a JSON object; an optional that is empty writes none.
+class OptionWriter {
+ public:
+  template <class T>
+  void member(const char* key, const T& value) {
+    if constexpr (std::is_same_v<T, GeoBounds>) {
+      OptionWriter bounds;
+      visit_members(bounds, value);
+      json[key] = bounds.json;
+    } else if constexpr (std::is_enum_v<T>) {
+      json[key] = word_for(value);
+    } else {
+      json[key] = value;
+    }
   }
-}
 
-// Reads members of a JSON object into options; the first that is wrong is the error.
+  template <class T>
+  void member(const char* key, const std::optional<T>& value) {
+    if (value) member(key, *value);
+  }
+
+  void member(const char* key, const std::vector<SourceRule>& rules) {
+    for (const SourceRule& rule : rules) {
+      OptionWriter said;
+      visit_members(said, rule);
+      json[key].push_back(said.json);
+    }
+  }
+
+  void member(const char* key, const ImageryOptions& imagery) {
+    if (imagery.inputs.empty()) return;
+    OptionWriter images;
+    visit_members(images, imagery);
+    json[key] = images.json;
+  }
+
+  /// Writes of files only that there are any.
+  void presence(const char* key, bool is_given) {
+    if (is_given) json[key] = true;
+  }
+
+  Json json = Json::object();
+};
+
+// Reads members of a JSON object into options; the first that is wrong is the error. What the object lacks
+// stays as it is.
 class OptionReader {
  public:
   explicit OptionReader(const nlohmann::json& json) : json_(json) {}
 
   template <class T>
-  void read(const char* key, T& value) {
-    const nlohmann::json* member = find(key);
-    if (member == nullptr) return;
+  void member(const char* key, T& value) {
+    const nlohmann::json* found = find(key);
+    if (found == nullptr) return;
     if constexpr (std::is_same_v<T, GeoBounds>) {
-      OptionReader bounds(*member);
-      bounds.read("west", value.west);
-      bounds.read("south", value.south);
-      bounds.read("east", value.east);
-      bounds.read("north", value.north);
-      if (!bounds.status_) status_ = bounds.status_;
+      read_object(*found, value);
     } else if constexpr (std::is_enum_v<T>) {
-      read_word(key, *member, value);
+      read_word(key, *found, value);
     } else if constexpr (std::is_same_v<T, std::string>) {
-      member->is_string() ? void(value = member->template get<std::string>()) : expect(key, "text", *member);
+      found->is_string() ? void(value = found->template get<std::string>()) : expect(key, "text", *found);
     } else if constexpr (std::is_same_v<T, int>) {
-      member->is_number_integer() ? void(value = member->template get<int>())
-                                  : expect(key, "a whole number", *member);
+      found->is_number_integer() ? void(value = found->template get<int>())
+                                 : expect(key, "a whole number", *found);
     } else {
-      member->is_number() ? void(value = member->template get<T>()) : expect(key, "a number", *member);
+      found->is_number() ? void(value = found->template get<T>()) : expect(key, "a number", *found);
     }
   }
 
   template <class T>
-  void read(const char* key, std::optional<T>& value) {
-    if (find(key) != nullptr) read(key, value.emplace());
+  void member(const char* key, std::optional<T>& value) {
+    if (find(key) != nullptr) member(key, value.emplace());
   }
 
+  void member(const char* key, std::vector<SourceRule>& rules) {
+    const nlohmann::json* sources = find(key);
+    if (sources == nullptr) return;
+    if (!sources->is_array()) return fail(key, "expected an array, found another type");
+    for (const nlohmann::json& source : *sources) {
+      if (!source.is_object()) return fail(key, "expected objects, found another type");
+      read_object(source, rules.emplace_back());
+    }
+  }
+
+  void member(const char* key, ImageryOptions& imagery) {
+    const nlohmann::json* found = find(key);
+    if (found == nullptr) return;
+    if (!found->is_object()) return fail(key, "expected an object, found another type");
+    read_object(*found, imagery);
+  }
+
+  void presence(const char*, bool) {}
+
+  const Status& status() const { return status_; }
+
+ private:
   const nlohmann::json* find(const char* key) const {
     const auto member = json_.find(key);
     return member == json_.end() ? nullptr : &*member;
   }
 
-  const Status& status() const { return status_; }
+  template <class T>
+  void read_object(const nlohmann::json& json, T& value) {
+    OptionReader members(json);
+    visit_members(members, value);
+    if (status_.ok()) status_ = members.status_;
+  }
 
- private:
   template <class Enum>
   void read_word(const char* key, const nlohmann::json& member, Enum& value) {
     std::string words;
@@ -142,134 +270,38 @@ class OptionReader {
   }
 
   void expect(const std::string& key, const std::string& expected, const nlohmann::json& found) {
-    if (!status_.ok()) return;
-    const std::string text = found.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    status_ = bad_data("options: " + key + ": expected " + expected + ", found " + text);
+    fail(key, "expected " + expected + ", found " +
+                  found.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  }
+
+  void fail(const std::string& key, const std::string& what) {
+    if (status_.ok()) status_ = bad_data("options: " + key + ": " + what);
   }
 
   const nlohmann::json& json_;
   Status status_;
 };
 
-void write_source_rules(Json& json, const std::vector<SourceRule>& rules) {
-  for (const SourceRule& rule : rules) {
-    Json said = to_json(rule.overrides);
-    said["pattern"] = rule.glob;
-    json["sources"].push_back(said);
-  }
-}
-
-Json json_of(const ImageryOptions& o) {
-  const auto& [inputs, source_rules, bounds, format, quality, feather_pixels] = o;
-  Json json{{"format", word_for(format)}, {"quality", word_for(quality)}, {"feather_pixels", feather_pixels}};
-  write(json, "bounds", bounds);
-  write_source_rules(json, source_rules);
-  return json;
-}
-
-Status read_source_rules(const OptionReader& reader, std::vector<SourceRule>& rules) {
-  const nlohmann::json* sources = reader.find("sources");
-  if (sources == nullptr) return {};
-  if (!sources->is_array()) return bad_data("options: sources: expected an array, found another type");
-  for (const nlohmann::json& source : *sources) {
-    if (!source.is_object()) return bad_data("options: sources: expected objects, found another type");
-    OptionReader said(source);
-    SourceRule& rule = rules.emplace_back();
-    said.read("pattern", rule.glob);
-    said.read("band", rule.overrides.band);
-    said.read("nodata", rule.overrides.nodata);
-    said.read("scale", rule.overrides.scale);
-    said.read("offset", rule.overrides.offset);
-    said.read("unit", rule.overrides.unit);
-    said.read("crs", rule.overrides.crs);
-    said.read("body", rule.overrides.body);
-    said.read("latitude", rule.overrides.latitude);
-    said.read("longitude", rule.overrides.longitude);
-    said.read("sea_clamp_m", rule.overrides.sea_clamp_m);
-    said.read("black", rule.overrides.black);
-    said.read("white", rule.overrides.white);
-    said.read("priority", rule.overrides.priority);
-    if (!said.status()) return said.status();
-  }
-  return {};
-}
-
 }  // namespace
 
 nlohmann::ordered_json to_json(const SourceOverrides& said) {
-  const auto& [band, nodata, scale, offset, unit, crs, body, latitude, longitude, sea_clamp_m, black, white,
-               priority] = said;
-  Json json = Json::object();
-  write(json, "band", band);
-  write(json, "nodata", nodata);
-  write(json, "scale", scale);
-  write(json, "offset", offset);
-  write(json, "unit", unit);
-  write(json, "crs", crs);
-  write(json, "body", body);
-  write(json, "latitude", latitude);
-  write(json, "longitude", longitude);
-  write(json, "sea_clamp_m", sea_clamp_m);
-  write(json, "black", black);
-  write(json, "white", white);
-  write(json, "priority", priority);
-  return json;
+  OptionWriter writer;
+  visit_members(writer, said);
+  return writer.json;
 }
 
-// The structures are taken apart so that a member which is added to one stops the compilation here.
 nlohmann::ordered_json to_json(const BuildOptions& options) {
-  const auto& [grid, mosaic, heights, imagery, objects, session] = options;
-  const auto& [tile_size, top, region] = grid;
-  const auto& [dems, level, max_error_m, resampling, datum, geoid, source_rules, fade_posts, void_posts] =
-      mosaic;
-  const auto& [quantum_m, allow_error, voids, rqt_tolerance_m] = heights;
-  Json json{{"tile_size", tile_size},
-            {"resampling", word_for(resampling)},
-            {"void", word_for(voids)},
-            {"fade", fade_posts}};
-  write(json, "void_distance", void_posts);
-  write(json, "datum", datum);
-  write_source_rules(json, source_rules);
-  write(json, "level", level);
-  write(json, "top", top);
-  write(json, "region", region);
-  write(json, "max_error", max_error_m);
-  write(json, "quantum", quantum_m);
-  write(json, "rqt", rqt_tolerance_m);
-  if (geoid) json["geoid"] = true;
-  if (!imagery.inputs.empty()) json["imagery"] = json_of(imagery);
-  if (!objects.places.empty()) json["objects"] = true;
-  return json;
+  OptionWriter writer;
+  visit_members(writer, options);
+  return writer.json;
 }
 
 Result<BuildOptions> from_json(const nlohmann::json& json) {
   if (!json.is_object()) return bad_data("options: expected an object, found another type");
   BuildOptions options;
   OptionReader reader(json);
-  reader.read("tile_size", options.grid.tile_size);
-  reader.read("top", options.grid.top);
-  reader.read("region", options.grid.region);
-  reader.read("level", options.mosaic.level);
-  reader.read("max_error", options.mosaic.max_error_m);
-  reader.read("resampling", options.mosaic.resampling);
-  reader.read("datum", options.mosaic.datum);
-  reader.read("fade", options.mosaic.fade_posts);
-  reader.read("void_distance", options.mosaic.void_posts);
-  if (auto rules = read_source_rules(reader, options.mosaic.source_rules); !rules) return rules.error();
-  reader.read("quantum", options.heights.quantum_m);
-  reader.read("void", options.heights.voids);
-  reader.read("rqt", options.heights.rqt_tolerance_m);
+  visit_members(reader, options);
   if (!reader.status()) return reader.status().error();
-  const nlohmann::json* imagery = reader.find("imagery");
-  if (imagery == nullptr) return options;
-  if (!imagery->is_object()) return bad_data("options: imagery: expected an object, found another type");
-  OptionReader images(*imagery);
-  if (auto rules = read_source_rules(images, options.imagery.source_rules); !rules) return rules.error();
-  images.read("bounds", options.imagery.bounds);
-  images.read("format", options.imagery.format);
-  images.read("quality", options.imagery.quality);
-  images.read("feather_pixels", options.imagery.feather_pixels);
-  if (!images.status()) return images.status().error();
   return options;
 }
 

@@ -88,30 +88,47 @@ void place_in_bounds(const GeoBounds& bounds, std::int64_t columns, std::int64_t
   g.y0 = bounds.north + g.dy / 2;
 }
 
-/// The EPSG code of the CRS itself, not of its parts: AUTHORITY["EPSG","4326"] or ID["EPSG",4326] directly
-/// inside the outermost brackets. 0 where there is none.
-int outermost_epsg(std::string_view wkt) {
+/// Calls `use` with the place of each bracket of a WKT that is in no quotes and with the depth inside it, or,
+/// at a closing one, outside it, until it returns true.
+template <class Use>
+void walk_brackets(std::string_view wkt, Use use) {
   int depth = 0;
   bool quoted = false;
   for (std::size_t i = 0; i < wkt.size(); ++i) {
     if (wkt[i] == '"') quoted = !quoted;
     if (quoted) continue;
-    if (wkt[i] == '[' || wkt[i] == '(') ++depth;
-    if (wkt[i] == ']' || wkt[i] == ')') --depth;
-    if (depth != 2 || (wkt[i] != '[' && wkt[i] != '(')) continue;
-    const std::string_view before = wkt.substr(0, i), after = wkt.substr(i + 1);
-    if ((!before.ends_with("AUTHORITY") && !before.ends_with("ID")) || !after.starts_with("\"EPSG\""))
-      continue;
-    const std::size_t digits = after.find_first_of("0123456789");
-    if (digits == std::string_view::npos || digits > 10) return 0;
-    int code = 0;
-    for (const char c : after.substr(digits, 6)) {
-      if (c < '0' || c > '9') break;
-      code = code * 10 + (c - '0');
-    }
-    return code;
+    const bool opens = wkt[i] == '[' || wkt[i] == '(', closes = wkt[i] == ']' || wkt[i] == ')';
+    if (!opens && !closes) continue;
+    depth += opens ? 1 : -1;
+    if (use(i, opens, depth)) return;
   }
-  return 0;
+}
+
+/// The number that begins in the first ten characters; 0 where there is none.
+int leading_code(std::string_view text) {
+  const std::size_t digits = text.find_first_of("0123456789");
+  if (digits == std::string_view::npos || digits > 10) return 0;
+  int code = 0;
+  for (const char c : text.substr(digits, 6)) {
+    if (c < '0' || c > '9') break;
+    code = code * 10 + (c - '0');
+  }
+  return code;
+}
+
+/// The EPSG code of the CRS itself, not of its parts: AUTHORITY["EPSG","4326"] or ID["EPSG",4326] directly
+/// inside the outermost brackets. 0 where there is none.
+int outermost_epsg(std::string_view wkt) {
+  int code = 0;
+  walk_brackets(wkt, [&](std::size_t at, bool opens, int depth) {
+    if (!opens || depth != 2) return false;
+    const std::string_view before = wkt.substr(0, at), after = wkt.substr(at + 1);
+    const bool is_epsg =
+        (before.ends_with("AUTHORITY") || before.ends_with("ID")) && after.starts_with("\"EPSG\"");
+    if (is_epsg) code = leading_code(after);
+    return is_epsg;
+  });
+  return code;
 }
 
 /// "WGS_1984_UTM_Zone_33N", "WGS 84 / UTM zone 33N", "NAD83 / UTM zone 10N" …
@@ -143,15 +160,13 @@ std::optional<double> last_number(std::string_view wkt, std::string_view element
 
 /// Without what follows the outermost brackets: ESRI puts a vertical CRS there.
 std::string_view first_element(std::string_view wkt) {
-  int depth = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < wkt.size(); ++i) {
-    if (wkt[i] == '"') quoted = !quoted;
-    if (quoted) continue;
-    if (wkt[i] == '[' || wkt[i] == '(') ++depth;
-    if ((wkt[i] == ']' || wkt[i] == ')') && --depth == 0) return wkt.substr(0, i + 1);
-  }
-  return wkt;
+  std::string_view first = wkt;
+  walk_brackets(wkt, [&](std::size_t at, bool opens, int depth) {
+    const bool ends = !opens && depth == 0;
+    if (ends) first = wkt.substr(0, at + 1);
+    return ends;
+  });
+  return first;
 }
 
 /// Whether a CRS counts from Greenwich, and in this unit: what its name alone does not say.
