@@ -88,13 +88,13 @@ Result<FrameTarget> FrameTarget::create(int width, int height, int samples) {
   return target;
 }
 
-GLuint FrameTarget::resolve() const {
+GLuint FrameTarget::resolve(GLbitfield parts) const {
   if (samples_ == 1) return framebuffer_.name();
   // Without it the samples' mean would be that of their bytes, and darker than what they show.
   const GLboolean was_enabled = glIsEnabled(GL_FRAMEBUFFER_SRGB);
   glEnable(GL_FRAMEBUFFER_SRGB);
   glBlitNamedFramebuffer(framebuffer_.name(), resolved_.name(), 0, 0, width_, height_, 0, 0, width_, height_,
-                         GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+                         parts, GL_NEAREST);
   if (!was_enabled) glDisable(GL_FRAMEBUFFER_SRGB);
   return resolved_.name();
 }
@@ -102,14 +102,14 @@ GLuint FrameTarget::resolve() const {
 Picture FrameTarget::read() const {
   Picture picture{width_, height_, {}};
   picture.rgb.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) * 3);
-  read_pixels(resolve(), width_, height_, GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data());
+  read_pixels(resolve(GL_COLOR_BUFFER_BIT), width_, height_, GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data());
   turn_over(picture.rgb, height_);
   return picture;
 }
 
 std::vector<float> FrameTarget::read_depth() const {
   std::vector<float> depth(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
-  read_pixels(resolve(), width_, height_, GL_DEPTH_COMPONENT, GL_FLOAT, depth.data());
+  read_pixels(resolve(GL_DEPTH_BUFFER_BIT), width_, height_, GL_DEPTH_COMPONENT, GL_FLOAT, depth.data());
   turn_over(depth, height_);
   return depth;
 }

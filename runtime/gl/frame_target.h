@@ -20,8 +20,9 @@ class FrameTarget {
   int samples() const { return samples_; }
   GLuint framebuffer() const { return framebuffer_.name(); }
 
-  /// Returns a framebuffer with one sample a pixel that holds what has been drawn by now.
-  GLuint resolve() const;
+  /// Returns a framebuffer with one sample a pixel that holds what has been drawn by now of its colour
+  /// (GL_COLOR_BUFFER_BIT), its depth (GL_DEPTH_BUFFER_BIT) or both.
+  GLuint resolve(GLbitfield parts) const;
 
   /// Waits for what has been drawn.
   Picture read() const;

@@ -232,22 +232,25 @@ std::size_t Renderer::update_shadows(SunShadows& shadows, const SurfaceFrame& fr
   constexpr double kSameSun = 5e-4;
   const HostState host;
   for (const TileShadow& shadow : shadows.take()) state_->tiles.set_shadow(shadow);
-  std::vector<const RenderTile*> shown;
+  // Several patches show one tile, and several tiles one ancestor's heights.
+  std::vector<bool> known(frame.tiles.size());
+  std::vector<const RenderTile*> late;
   for (const SurfaceDraw& draw : mesh.draws) {
     const RenderTile* tile = frame.tiles[draw.tile];
-    if (tile->heights && tile->visible) shown.push_back(tile);
+    if (known[draw.tile] || !tile->heights || !tile->visible) continue;
+    known[draw.tile] = true;
+    const ResidentHeights* resident = state_->tiles.heights_of(*tile);
+    if (!resident) continue;
+    if (resident->shadow_sun && glm::distance(*resident->shadow_sun, to_sun) < kSameSun) continue;
+    late.push_back(tile);
   }
-  std::sort(shown.begin(), shown.end(), [](const RenderTile* a, const RenderTile* b) {
+  std::sort(late.begin(), late.end(), [](const RenderTile* a, const RenderTile* b) {
     return std::pair(a->distance_m, a->heights_id) < std::pair(b->distance_m, b->heights_id);
   });
   std::unordered_set<TileId> seen;
   std::vector<ShadowRequest> due;
-  for (const RenderTile* tile : shown) {
-    if (!seen.insert(tile->heights_id).second) continue;
-    const ResidentHeights* resident = state_->tiles.heights_of(*tile);
-    if (!resident) continue;
-    if (resident->shadow_sun && glm::distance(*resident->shadow_sun, to_sun) < kSameSun) continue;
-    due.push_back({tile->heights_id, tile->heights, to_sun});
+  for (const RenderTile* tile : late) {
+    if (seen.insert(tile->heights_id).second) due.push_back({tile->heights_id, tile->heights, to_sun});
   }
   const std::size_t count = due.size();
   shadows.request(std::move(due));

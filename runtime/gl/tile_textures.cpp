@@ -56,10 +56,6 @@ void upload_compressed(const LayerArray& array, std::uint32_t layer, int mip, st
                                 array.format(), static_cast<GLsizei>(bytes), texels);
 }
 
-}  // namespace
-
-namespace {
-
 /// All lit.
 void clear_shadow(const LayerArray& shadows, std::uint32_t first, std::uint32_t count) {
   const GLbyte lit = -127;

@@ -5,29 +5,18 @@
 #include <limits>
 #include <utility>
 
+#include "runtime/view/ground_height.h"
+
 namespace cairn {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kMostTiles = 64;  // in memory, about a MiB each
 
-double highest_m_of(const PackReader& pack) {
-  const auto levels = pack.levels(Layer::heights);
-  double highest_m = 0;
-  for (std::size_t i = 0; levels && i < pack.entry_count(); ++i) {
-    const IndexEntry entry = pack.entry(i);
-    if (entry.layer != Layer::heights || entry.id.level != levels->coarsest) break;
-    const double top_m =
-        entry.max_quanta * pack.header().quantum_m + static_cast<double>(entry.geometric_error_m);
-    highest_m = std::max(highest_m, top_m);
-  }
-  return highest_m;
-}
-
 }  // namespace
 
 ShadowGround::ShadowGround(std::shared_ptr<const PackReader> pack)
-    : pack_(std::move(pack)), highest_m_(highest_m_of(*pack_)) {}
+    : pack_(std::move(pack)), highest_m_(std::max(0.0, highest_ground_m(*pack_))) {}
 
 ShadowGround::Tile ShadowGround::find(const TileId& id) {
   const auto entry = pack_->find_nearest(Layer::heights, id);

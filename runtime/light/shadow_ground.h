@@ -4,8 +4,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
-#include <unordered_map>
-#include <vector>
+#include <utility>
 
 #include "cairn/pack_reader.h"
 #include "cairn/read_tile.h"

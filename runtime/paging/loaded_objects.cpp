@@ -4,20 +4,15 @@
 #include <cassert>
 #include <utility>
 
+#include "format/tile_number.h"
+
 namespace cairn {
 namespace {
 
 constexpr int kPlaceBits = 16;  // of x and of y
 
-std::uint32_t spread_bits(std::uint32_t bits) {
-  bits = (bits | bits << 8) & 0x00FF00FFu;
-  bits = (bits | bits << 4) & 0x0F0F0F0Fu;
-  bits = (bits | bits << 2) & 0x33333333u;
-  return (bits | bits << 1) & 0x55555555u;
-}
-
-std::uint32_t z_order(const StandingObject& object) {
-  return spread_bits(object.placed.x) | spread_bits(object.placed.y) << 1;
+std::uint64_t z_order(const StandingObject& object) {
+  return z_curve(object.placed.x, object.placed.y);
 }
 
 }  // namespace
@@ -51,8 +46,7 @@ std::span<const StandingObject> LoadedObjects::inside(const TileId& area) const 
   const auto column = static_cast<std::uint32_t>(part.x - (tile_.x << deeper));
   const auto row = static_cast<std::uint32_t>(part.y - (tile_.y << deeper));
   const int free_bits = 2 * (kPlaceBits - deeper);
-  const std::uint64_t first = static_cast<std::uint64_t>(spread_bits(column) | spread_bits(row) << 1)
-                              << free_bits;
+  const std::uint64_t first = z_curve(column, row) << free_bits;
   const std::uint64_t last = first + (std::uint64_t{1} << free_bits);
   const auto before = [](const StandingObject& object, std::uint64_t z) { return z_order(object) < z; };
   const auto from = std::lower_bound(objects_.begin(), objects_.end(), first, before);

@@ -83,7 +83,7 @@ std::uint64_t Pager::target_bytes() const {
 PagerChanges Pager::update(const PagerTarget& target, std::span<const ViewFrustum> views,
                            Clock::time_point now, std::uint64_t model_bytes) {
   PagerChanges changes;
-  // What ground needs at least is not the models' to take.
+  // However much memory the models take, kLeastPlaces places stay for the ground.
   const std::uint64_t capacity = all_bytes_ - std::min(model_bytes, all_bytes_ - kLeastPlaces * place_bytes_);
   if (capacity != std::exchange(capacity_, capacity) && state_ == PagerState::complete)
     state_ = PagerState::loading;

@@ -23,8 +23,8 @@ struct PagerOptions {
 /// What is to be drawn, and what may be needed next, after all that is.
 struct PagerTarget {
   TileCut cut;                      ///< its tiles have Pager::target_bytes() at most, or no coarser ones have
-  std::vector<IndexEntry> objects;  ///< tiles of Layer::objects, the most needed first; they may be drawn
-                                    ///< beside any cut, and whatever else there is of them
+  std::vector<IndexEntry> objects;  ///< tiles of Layer::objects, the most needed first; each can be drawn
+                                    ///< as soon as it is in memory, whatever the cut
   std::vector<IndexEntry> ahead;    ///< in any order
   std::uint64_t version = 0;        ///< grows with every change
 };

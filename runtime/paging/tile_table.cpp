@@ -171,11 +171,10 @@ bool TileTable::report(const TileKey& key) {
 
 void TileTable::unpin_all() {
   // The pinned tiles were used last, but for those that arrived since.
-  for (auto at = uses_.rbegin(); at != uses_.rend() && pinned_ > 0; ++at) {
+  for (auto at = uses_.rbegin(); at != uses_.rend() && pinned_bytes_ > 0; ++at) {
     if ((*at)->state != TileState::pinned) continue;
     (*at)->state = TileState::resident;
     pinned_bytes_ -= (*at)->bytes;
-    --pinned_;
   }
 }
 
@@ -186,7 +185,6 @@ bool TileTable::pin(const TileKey& key) {
   if (tile.state == TileState::pinned) return true;
   tile.state = TileState::pinned;
   pinned_bytes_ += tile.bytes;
-  ++pinned_;
   uses_.splice(uses_.end(), uses_, tile.use);
   return true;
 }

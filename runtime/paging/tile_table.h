@@ -46,8 +46,8 @@ class TileTable {
   /// Ends a read without a result. under_way → wanted; stale → unknown.
   void stop(const TileKey& key);
 
-  /// Any state but those in memory → failing, for a time that doubles with each absence in a row, up to
-  /// sixteen times `shortest`.
+  /// Any state but those in memory or being read → failing, for a time that doubles with each absence in a
+  /// row, up to sixteen times `shortest`.
   void set_failing(const TileKey& key, Clock::duration shortest, Clock::time_point now);
   /// Any state but those in memory → damaged; ends a read.
   void set_damaged(const TileKey& key);
@@ -57,7 +57,7 @@ class TileTable {
   /// Returns true once for each tile until it arrives.
   bool report(const TileKey& key);
 
-  /// Puts a tile into memory that was not read. Any state but those in memory → resident.
+  /// Puts a tile into memory that was not read. Any state but those in memory or being read → resident.
   void insert(const TileKey& key, LoadedTile tile);
   /// Begins a round. pinned → resident.
   void unpin_all();
@@ -117,7 +117,6 @@ class TileTable {
   std::uint64_t round_ = 0;
   std::uint64_t bytes_ = 0;
   std::uint64_t pinned_bytes_ = 0;
-  std::size_t pinned_ = 0;
   std::uint64_t bytes_under_way_ = 0;
   std::size_t under_way_ = 0;
   std::uint64_t bytes_unseen_ = 0;

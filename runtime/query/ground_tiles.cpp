@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "cairn/geodesy.h"
+#include "runtime/view/ground_height.h"
 
 namespace cairn {
 namespace {
@@ -33,18 +34,6 @@ double middle_lon(const GeoBounds& bounds) {
 
 double error_m_of(const IndexEntry& entry) {
   return static_cast<double>(entry.geometric_error_m);
-}
-
-/// Above all tiles below the pack's coarsest ones.
-double highest_m_of(const PackReader& pack) {
-  const auto levels = pack.levels(Layer::heights);
-  double highest_m = kNothing_m;
-  for (std::size_t i = 0; levels && i < pack.entry_count(); ++i) {
-    const IndexEntry entry = pack.entry(i);
-    if (entry.layer != Layer::heights || entry.id.level != levels->coarsest) break;
-    highest_m = std::max(highest_m, entry.max_quanta * pack.header().quantum_m + error_m_of(entry));
-  }
-  return highest_m;
 }
 
 }  // namespace
@@ -147,7 +136,7 @@ double GroundTile::ceiling_m(const CellRange& cells) const {
 }
 
 GroundTiles::GroundTiles(std::shared_ptr<const PackReader> pack, std::size_t most_tiles)
-    : pack_(std::move(pack)), most_tiles_(most_tiles), highest_m_(highest_m_of(*pack_)) {
+    : pack_(std::move(pack)), most_tiles_(most_tiles), highest_m_(highest_ground_m(*pack_)) {
   assert(most_tiles >= 1);
 }
 

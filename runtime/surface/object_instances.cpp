@@ -7,6 +7,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "runtime/view/screen_scale.h"
+
 namespace cairn {
 namespace {
 
@@ -34,7 +36,7 @@ class Chooser {
   Chooser(const ObjectArrivals& arrivals, const ObjectRules& rules)
       : arrivals_(arrivals),
         camera_(camera_frame(rules.view)),
-        pixels_per_radian_(static_cast<float>(1 / pixel_footprint_m(rules.view, 1))),
+        pixels_per_radian_(static_cast<float>(pixels_per_radian(rules.view))),
         smallest_px_(static_cast<float>(rules.smallest_px)),
         farthest_per_m_(pixels_per_radian_ / smallest_px_),
         error_px_(static_cast<float>(rules.error_px)) {

@@ -7,6 +7,7 @@
 #include "runtime/surface/patch_mesh.h"
 #include "runtime/surface/patch_neighbours.h"
 #include "runtime/surface/rim_walls.h"
+#include "runtime/view/screen_scale.h"
 
 namespace cairn {
 
@@ -99,12 +100,12 @@ void SurfaceMesher::place_objects(const ObjectScene& scene, const SurfaceRules& 
     std::size_t kept;  // of Kept::feet
     bool is_fresh;
   };
-  const double pixels_per_radian = 1 / pixel_footprint_m(rules.view, 1);
+  const double per_radian = pixels_per_radian(rules.view);
   const auto& patches = plan.partition.patches;
   std::vector<Work> work;
   const auto add = [&](std::size_t i, const std::shared_ptr<const LoadedObjects>& tile, bool is_whole) {
     const double largest_m = static_cast<double>(tile->largest_m());
-    if (largest_m * pixels_per_radian < scene.smallest_px * patches[i].distance_m) return;
+    if (largest_m * per_radian < scene.smallest_px * patches[i].distance_m) return;
     std::vector<KeptFeet>& feet = shown[i]->feet;
     const auto known =
         std::find_if(feet.begin(), feet.end(), [&](const KeptFeet& k) { return k.objects == tile; });

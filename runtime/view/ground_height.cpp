@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace cairn {
 namespace {
@@ -36,6 +37,18 @@ std::optional<double> ground_height_m(const HeightTile& tile, const TileId& id, 
     quanta += weights[corner] * tile.at(column, row);
   }
   return quanta * quantum_m;
+}
+
+double highest_ground_m(const PackReader& pack) {
+  const auto levels = pack.levels(Layer::heights);
+  double highest_m = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; levels && i < pack.entry_count(); ++i) {
+    const IndexEntry entry = pack.entry(i);
+    if (entry.layer != Layer::heights || entry.id.level != levels->coarsest) break;
+    const double error_m = static_cast<double>(entry.geometric_error_m);
+    highest_m = std::max(highest_m, entry.max_quanta * pack.header().quantum_m + error_m);
+  }
+  return highest_m;
 }
 
 }  // namespace cairn

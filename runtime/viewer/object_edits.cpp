@@ -69,10 +69,6 @@ Json feature_of(const Placement& placement) {
   return feature;
 }
 
-bool is_same(const PlacedObject& a, const PlacedObject& b) {
-  return a == b;
-}
-
 }  // namespace
 
 std::filesystem::path placements_path(const std::filesystem::path& pack) {
@@ -150,7 +146,7 @@ Status ObjectEdits::undo() {
 
 std::optional<std::size_t> PlacedTiles::placement_of(const ObjectHit& hit) const {
   for (const Slot& slot : slots_) {
-    if (slot.tile == hit.tile && is_same(slot.object, hit.object)) return slot.placement;
+    if (slot.tile == hit.tile && slot.object == hit.object) return slot.placement;
   }
   return std::nullopt;
 }

@@ -159,7 +159,7 @@ class Session {
       view_.height_m = (*place)[2];
     }
     ImGui::Render();
-    const GLuint resolved = target_->resolve();
+    const GLuint resolved = target_->resolve(GL_COLOR_BUFFER_BIT);
     glDisable(GL_FRAMEBUFFER_SRGB);  // the frame's bytes are sRGB already
     glBlitNamedFramebuffer(resolved, 0, 0, 0, size.width, size.height, 0, 0, size.width, size.height,
                            GL_COLOR_BUFFER_BIT, GL_NEAREST);

@@ -22,7 +22,7 @@ layout(location = 0) out vec4 colour;
 #include "light.glsl"
 
 void main() {
-  float pattern = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+  float pattern = screen_noise();
   if (pattern < shown.x || pattern >= shown.y) discard;
   vec2 half_texel = 0.5 / vec2(textureSize(picture, 0).xy);
   vec4 texel = texture(picture, vec3(clamp(place, cell.xy + half_texel, cell.zw - half_texel), 0.0));

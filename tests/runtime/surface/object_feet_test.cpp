@@ -117,7 +117,7 @@ double distance_from(const glm::dvec3& p, const PatchMesh& mesh, float coarser_s
 
 }  // namespace
 
-TEST_CASE("at 1,000 cameras every foot is on a triangle that is drawn, under its object") {
+TEST_CASE("at 1,000 cameras every foot is on a triangle that is drawn, under its object", "[slow]") {
   std::mt19937 random(19);
   Crags crags_of;
   const std::vector<TileId> middles = {tile_at({10.3, 45.7}, 4),     tile_at({179.9999, 3.2}, 5),
