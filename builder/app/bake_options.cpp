@@ -149,8 +149,10 @@ void add_imagery_options(CLI::App& verb, BakeArguments& arguments) {
 }
 
 void add_object_options(CLI::App& verb, BakeArguments& arguments) {
-  verb.add_option("--objects", arguments.places,
-                  "objects on the ground: CSV (lon,lat,model[,heading,scale,height,mode]) or GeoJSON");
+  verb.add_option(
+      "--objects", arguments.places,
+      "objects on the ground: CSV (lon,lat,model[,heading,scale,height,mode]), GeoJSON or what GDAL reads; "
+      "polygons scatter objects");
   verb.add_option(
       "--models", arguments.models,
       "the folder with their models: NAME.glb, .gltf, .obj, .dxf, ..., and images NAME.WxH.png of W by H "

@@ -74,6 +74,10 @@ void print_objects(const Json& objects) {
   }
   if (const double left_out = number(objects, "left_out"); left_out > 0)
     fmt::print("  {:.0f} places left out, as there is no ground beneath them\n", left_out);
+  if (objects["scattered"].is_number())
+    fmt::print(
+        "  {:.0f} of them scattered; {:.0f} more were where the ground is outside their rule's limits\n",
+        number(objects, "scattered"), number(objects, "outside_limits"));
   if (!objects["models"].is_array()) return;
   fmt::print("models {}, {} bytes\n  {:>12} {:>9} {:>9} {:>6}  name\n", objects["models"].size(),
              objects["model_bytes"].get<std::uint64_t>(), "objects", "triangles", "vertices", "levels");

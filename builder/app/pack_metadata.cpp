@@ -92,6 +92,8 @@ Json objects_json(const PackReader& pack, const nlohmann::json& metadata) {
   return {{"objects", all},
           {"bytes", bytes},
           {"left_out", stated("left_out")},
+          {"scattered", stated("scattered")},
+          {"outside_limits", stated("outside_limits")},
           {"levels", levels},
           {"model_bytes", model_bytes},
           {"models", stated("models")}};

@@ -1,8 +1,10 @@
 #include "builder/objects/object_layer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <unordered_map>
@@ -14,6 +16,7 @@
 #include "builder/objects/model_library.h"
 #include "builder/objects/place_files.h"
 #include "builder/objects/place_store.h"
+#include "builder/objects/scatter.h"
 #include "format/ground_sampler.h"
 #include "format/height_block.h"
 #include "format/tile_number.h"
@@ -78,7 +81,8 @@ class PlaceSorter {
   PlaceSorter(ModelLibrary& library, const Ground& ground, PlaceStore& store)
       : library_(library), ground_(ground), store_(store) {}
 
-  Status take(const ObjectPlace& place) {
+  /// `rule`: whose limits the ground beneath it has to keep; 0 is none.
+  Status take(const ObjectPlace& place, std::uint32_t rule) {
     if (place.model != name_) {
       const auto found = library_.find(place.model);
       if (!found) return found.error();
@@ -109,6 +113,7 @@ class PlaceSorter {
         return bad_data("height: expected fewer quanta of the pack, found more");
       object.height_quanta = static_cast<std::int32_t>(quanta);
     }
+    stored.rule = rule;
     return store_.add(stored);
   }
 
@@ -140,16 +145,19 @@ struct BakedTile {
   std::int32_t lowest = std::numeric_limits<std::int32_t>::max();
   std::int32_t highest = std::numeric_limits<std::int32_t>::min();
   std::vector<std::byte> block;
+  std::uint64_t scattered = 0;
+  std::uint64_t outside_limits = 0;
   std::uint64_t left_out = 0;
   LonLat first_left_out;
 };
 
 class ObjectBaker {
  public:
-  ObjectBaker(std::vector<std::uint16_t> numbers, std::vector<double> sizes, const Ground& ground,
-              int threads, PackWriter& writer)
+  ObjectBaker(std::vector<std::uint16_t> numbers, std::vector<double> sizes, std::vector<GroundLimits> limits,
+              const Ground& ground, int threads, PackWriter& writer)
       : numbers_(std::move(numbers)),
         sizes_(std::move(sizes)),
+        limits_(std::move(limits)),
         ground_(ground),
         threads_(threads),
         writer_(writer) {}
@@ -176,6 +184,8 @@ class ObjectBaker {
 
   std::uint64_t left_out = 0;
   std::optional<LonLat> first_left_out;
+  std::uint64_t scattered = 0;
+  std::uint64_t outside_limits = 0;
   std::vector<std::uint64_t> counts = std::vector<std::uint64_t>(kMostModels);
 
  private:
@@ -223,6 +233,12 @@ class ObjectBaker {
         if (tile.left_out++ == 0) tile.first_left_out = at;
         continue;
       }
+      if (places[i].rule != 0) {
+        const auto kept = keeps(limits_[places[i].rule], at, (*height)->quanta, sampler);
+        if (!kept) return kept.error();
+        ++(*kept ? tile.scattered : tile.outside_limits);
+        if (!*kept) continue;
+      }
       if (auto status = add(places[i], (*height)->quanta * ground_.pack.quantum_m, tile); !status)
         return status.error();
     }
@@ -232,6 +248,40 @@ class ObjectBaker {
     tile.block = encode_object_block(content);
     tile.objects = std::move(content.objects);
     return tile;
+  }
+
+  /// Whether the ground at a place is within limits.
+  Result<bool> keeps(const GroundLimits& limits, LonLat at, double quanta, GroundSampler& sampler) const {
+    const double height = quanta * ground_.pack.quantum_m;
+    if (height < limits.min_height_m || height > limits.max_height_m) return false;
+    if (!limits.has_slope()) return true;
+    const auto slope = slope_at(at, sampler);
+    if (!slope) return slope.error();
+    return *slope >= limits.min_slope_deg && *slope <= limits.max_slope_deg;
+  }
+
+  /// Returns the slope in degrees of the square between four of the finest samples that a place lies in. The
+  /// ground is bilinear there, so that two places inside the square are enough along each axis.
+  Result<double> slope_at(LonLat at, GroundSampler& sampler) const {
+    const double step = std::ldexp(1.0 / (ground_.pack.tile_size - 1), -ground_.finest);
+    const double west = std::floor(at.lon / step) * step, south = std::floor(at.lat / step) * step;
+    const std::array<LonLat, 4> beside{LonLat{west + step / 4, at.lat}, LonLat{west + 3 * step / 4, at.lat},
+                                       LonLat{at.lon, south + step / 4},
+                                       LonLat{at.lon, south + 3 * step / 4}};
+    std::array<double, 4> metres{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto height = sampler.height_at(beside[i], ground_.finest, ground_.coarsest);
+      if (!height) return height.error();
+      if (*height) metres[i] = (*height)->quanta * ground_.pack.quantum_m;
+    }
+    const Ellipsoid& shape = ground_.pack.body.shape;
+    const double latitude = at.lat * (std::numbers::pi / 180), sine = std::sin(latitude);
+    const double f = shape.flattening(), square = f * (2 - f);
+    const double across = shape.equator_degree_m() / std::sqrt(1 - square * sine * sine);
+    const double along = across * (1 - square) / (1 - square * sine * sine);
+    const double east = (metres[1] - metres[0]) / (step / 2 * across * std::max(std::cos(latitude), 1e-9));
+    const double north = (metres[3] - metres[2]) / (step / 2 * along);
+    return std::atan(std::hypot(east, north)) * (180 / std::numbers::pi);
   }
 
   Status add(const StoredPlace& place, double ground_m, BakedTile& tile) const {
@@ -256,6 +306,8 @@ class ObjectBaker {
   Status write(const BakedTile& tile) {
     if (tile.left_out != 0 && !first_left_out) first_left_out = tile.first_left_out;
     left_out += tile.left_out;
+    scattered += tile.scattered;
+    outside_limits += tile.outside_limits;
     if (tile.objects.empty()) return {};
     if (!begun_) level_ = tile.id.level;
     begun_ = true;
@@ -308,6 +360,7 @@ class ObjectBaker {
 
   std::vector<std::uint16_t> numbers_;  // of the library's models in the pack
   std::vector<double> sizes_;           // by number
+  std::vector<GroundLimits> limits_;    // by rule
   const Ground& ground_;
   int threads_;
   PackWriter& writer_;
@@ -332,26 +385,38 @@ Status write_models(const std::vector<const ModelLibrary::Model*>& models, PackW
   return {};
 }
 
-Status read_all_places(const ObjectOptions& options, PlaceSorter& sorter, PlaceStore& store,
-                       const ProgressCallback& progress, std::uint64_t written) {
+/// Reads all places, and scatters those of areas. Appends the limits of each area.
+Status read_all_places(const ObjectOptions& options, const ObjectGround& pack, PlaceSorter& sorter,
+                       PlaceStore& store, std::vector<GroundLimits>& limits, const ProgressCallback& progress,
+                       std::uint64_t written) {
+  const auto take = [&](const ObjectPlace& place, std::uint32_t rule) -> Status {
+    if (store.size() % kPlacesBetweenReports == 0 && !progress({"places", store.size(), 0, written}))
+      return failed("bake: cancelled");
+    return sorter.take(place, rule);
+  };
+  const PlaceVisitor visitor{[&](const ObjectPlace& place) { return take(place, 0); },
+                             [&](const ScatterArea& area) {
+                               const auto rule = static_cast<std::uint32_t>(limits.size());
+                               limits.push_back(area.rule.limits);
+                               return scatter(area, pack.body, pack.bounds,
+                                              [&](const ObjectPlace& place) { return take(place, rule); });
+                             }};
   for (const auto& file : options.places) {
-    const auto status = read_places(file, [&](const ObjectPlace& place) -> Status {
-      if (store.size() % kPlacesBetweenReports == 0 && !progress({"places", store.size(), 0, written}))
-        return failed("bake: cancelled");
-      return sorter.take(place);
-    });
-    if (!status) return status;
+    if (auto status = read_places(file, visitor); !status) return status;
   }
   if (store.size() == 0)
-    return bad_data(options.places.front().string() + ": expected places of objects, found none");
+    return bad_data(options.places.front().string() + ": expected places of objects on the DEMs, found none");
   return {};
 }
 
 }  // namespace
 
 std::vector<std::filesystem::path> files_of(const ObjectOptions& options) {
-  std::vector<std::filesystem::path> files = options.places;
-  if (files.empty()) return files;
+  std::vector<std::filesystem::path> files;
+  if (options.places.empty()) return files;
+  for (const auto& place : options.places) {
+    for (auto& file : files_of_places(place)) files.push_back(std::move(file));
+  }
   for (auto& file : files_of_models(options.models)) files.push_back(std::move(file));
   return files;
 }
@@ -368,7 +433,10 @@ Result<ObjectSummary> bake_objects(const ObjectOptions& options, const ObjectGro
                                            kFewestInMemory, kMostInMemory);
   PlaceStore store(session.options.target.parent_path(), in_memory);
   PlaceSorter sorter(*library, *ground, store);
-  if (auto status = read_all_places(options, sorter, store, progress, session.writer.position()); !status)
+  std::vector<GroundLimits> limits(1);
+  if (auto status =
+          read_all_places(options, pack, sorter, store, limits, progress, session.writer.position());
+      !status)
     return status.error();
 
   // 2. Number the models that are used, in the order of their names.
@@ -383,7 +451,8 @@ Result<ObjectSummary> bake_objects(const ObjectOptions& options, const ObjectGro
   }
 
   // 3. Place every object on the ground, and write its tile, the finest first.
-  ObjectBaker baker(std::move(numbers), std::move(sizes), *ground, threads, session.writer);
+  ObjectBaker baker(std::move(numbers), std::move(sizes), std::move(limits), *ground, threads,
+                    session.writer);
   Progress now{"objects", 0, store.size(), session.writer.position()};
   const auto placed = store.visit([&](const TileId& id, std::vector<StoredPlace>&& places) -> Status {
     now.done += places.size();
@@ -398,10 +467,12 @@ Result<ObjectSummary> bake_objects(const ObjectOptions& options, const ObjectGro
   ObjectSummary summary;
   summary.left_out = baker.left_out;
   summary.first_left_out = baker.first_left_out.value_or(LonLat{});
-  summary.objects = store.size() - baker.left_out;
+  summary.scattered = baker.scattered;
+  summary.outside_limits = baker.outside_limits;
+  summary.objects = store.size() - baker.left_out - baker.outside_limits;
   if (summary.objects == 0)
-    return bad_data(options.places.front().string() +
-                    ": expected a place with ground beneath it, found none");
+    return bad_data(options.places.front().string() + ": expected a place with ground beneath it" +
+                    (baker.outside_limits == 0 ? "" : " that is within its rule's limits") + ", found none");
   for (std::size_t m = 0; m < used.size(); ++m)
     summary.models.push_back(
         {used[m]->name, baker.counts[m], used[m]->triangles, used[m]->vertices, used[m]->levels});

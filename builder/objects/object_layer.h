@@ -7,6 +7,7 @@
 
 #include "builder/bake/bake_session.h"
 #include "cairn/body.h"
+#include "cairn/geo.h"
 #include "cairn/object_options.h"
 #include "cairn/progress.h"
 #include "cairn/status.h"
@@ -18,13 +19,17 @@ struct ObjectGround {
   Body body;
   int tile_size = 513;
   double quantum_m = 0.25;
+  GeoBounds bounds;  ///< in which objects are scattered
 };
 
 /// What became of the objects.
 struct ObjectSummary {
-  std::uint64_t objects = 0;   ///< that are in the pack
-  std::uint64_t left_out = 0;  ///< since there is no ground beneath them
-  LonLat first_left_out;       ///< in the order of tiles
+  std::uint64_t objects = 0;    ///< that are in the pack
+  std::uint64_t left_out = 0;   ///< since there is no ground beneath them
+  LonLat first_left_out;        ///< in the order of tiles
+  std::uint64_t scattered = 0;  ///< of those in the pack
+  std::uint64_t outside_limits =
+      0;  ///< that were scattered where the ground is outside the limits of the rule
   struct Model {
     std::string name;
     std::uint64_t objects = 0;

@@ -5,21 +5,18 @@
 #include <fmt/format.h>
 
 namespace cairn {
-namespace {
 
 Status check_range(const char* what, double value, double low, double high) {
   if (value >= low && value <= high) return {};
   return bad_data(fmt::format("{}: expected {} to {}, found {}", what, low, high, value));
 }
 
-}  // namespace
-
 Status check_place(const ObjectPlace& place) {
   if (place.model.empty()) return bad_data("model: expected a name, found none");
   if (auto status = check_range("lon", place.at.lon, -360, 360); !status) return status;
   if (auto status = check_range("lat", place.at.lat, -90, 90); !status) return status;
   if (auto status = check_range("heading", place.heading_degrees, -3600, 3600); !status) return status;
-  if (auto status = check_range("scale", place.scale, 1.0 / 4096, 65535.0 / 4096); !status) return status;
+  if (auto status = check_range("scale", place.scale, kLeastScale, kMostScale); !status) return status;
   return check_range("height", place.height_m, -100000, 100000);
 }
 

@@ -18,6 +18,12 @@ struct ObjectPlace {
   bool is_absolute = false;  ///< the latter
 };
 
+inline constexpr double kLeastScale = 1.0 / 4096;
+inline constexpr double kMostScale = 65535.0 / 4096;
+
+/// Returns what is wrong with a number, if anything: NaN is outside every range.
+Status check_range(const char* what, double value, double low, double high);
+
 /// Returns what is wrong with a place's numbers, if anything.
 Status check_place(const ObjectPlace& place);
 

@@ -90,7 +90,7 @@ Status parse_line(const std::vector<std::size_t>& columns, const std::vector<std
 
 }  // namespace
 
-Status read_places_csv(const std::filesystem::path& file, const TakePlace& take) {
+Status read_places_csv(const std::filesystem::path& file, const PlaceVisitor& visitor) {
   std::ifstream in(file, std::ios::binary);
   if (!in) return failed(file.string() + ": expected a file that can be read, found none");
   std::string line;
@@ -112,7 +112,7 @@ Status read_places_csv(const std::filesystem::path& file, const TakePlace& take)
     }
     split(text, fields);
     if (auto status = parse_line(columns, fields, place); !status) return at_line(status.error());
-    if (auto status = take(place); !status) return at_line(status.error());
+    if (auto status = visitor.place(place); !status) return at_line(status.error());
   }
   if (in.bad()) return failed(file.string() + ": expected a file that can be read, found an error");
   if (columns.empty()) return bad_data(file.string() + ": expected lines of places, found none");

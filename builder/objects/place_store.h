@@ -19,6 +19,7 @@ struct StoredPlace {
   PlacedObject object;    ///< its height, too, where it is above the ground
   double absolute_m = 0;  ///< the foot where it is in the vertical datum
   bool is_absolute = false;
+  std::uint32_t rule = 0;  ///< whose limits of the ground it keeps; 0 keeps none
 };
 
 /// Places that come in any order and go out by tile, in memory that does not grow with their number: sorted

@@ -76,7 +76,8 @@ Result<std::optional<ObjectSummary>> make_objects(const BakePlan& layers, const 
                                                   const ProgressCallback& progress, BuildReport& report) {
   using Made = std::optional<ObjectSummary>;
   if (options.objects.places.empty()) return Made();
-  const ObjectGround ground{layers.body, options.grid.tile_size, layers.plan->quantum_m()};
+  const ObjectGround ground{layers.body, options.grid.tile_size, layers.plan->quantum_m(),
+                            cut_to(options.grid.region, layers.heights->bounds())};
   auto made = bake_objects(options.objects, ground, threads, session, progress);
   if (!made) return made.error();
   if (made->left_out != 0)

@@ -62,23 +62,6 @@ Json source_of(const RasterInfo& info, std::uint64_t hash) {
   return source;
 }
 
-// The part of the bounds that lies in the region, whatever turn of longitudes that has, in one piece also
-// across 180°; a pack is asked for by its region, also where whole tiles around it were baked.
-GeoBounds cut_to(const std::optional<GeoBounds>& region, const GeoBounds& bounds) {
-  if (!region) return bounds;
-  std::optional<GeoBounds> all;
-  for (const double turn : {-360.0, 0.0, 360.0}) {
-    const GeoBounds cut{std::max(bounds.west + turn, region->west), std::max(bounds.south, region->south),
-                        std::min(bounds.east + turn, region->east), std::min(bounds.north, region->north)};
-    if (cut.width() <= 0 || cut.height() <= 0) continue;
-    all = all ? GeoBounds{std::min(all->west, cut.west), cut.south, std::max(all->east, cut.east), cut.north}
-              : cut;
-  }
-  if (!all) return bounds;
-  const double turns = 360 * std::floor((all->west + 180) / 360);
-  return {all->west - turns, all->south, all->east - turns, all->north};
-}
-
 bool touches_region(const std::optional<GeoBounds>& region, const GeoBounds& bounds) {
   if (!region) return true;
   Footprint wanted;
@@ -174,11 +157,32 @@ Json objects_of(const ObjectSummary& summary, const BuildOptions& options,
   for (std::size_t f = 0; f < files.size(); ++f)
     sources.push_back({{"name", files[f].filename().string()},
                        {"xxh3", fmt::format("{:016x}", hashes[hashes.size() - files.size() + f])}});
-  return {
-      {"objects", summary.objects}, {"left_out", summary.left_out}, {"models", models}, {"sources", sources}};
+  Json objects = {{"objects", summary.objects}, {"left_out", summary.left_out}};
+  if (summary.scattered + summary.outside_limits != 0) {
+    objects["scattered"] = summary.scattered;
+    objects["outside_limits"] = summary.outside_limits;
+  }
+  objects["models"] = models;
+  objects["sources"] = sources;
+  return objects;
 }
 
 }  // namespace
+
+GeoBounds cut_to(const std::optional<GeoBounds>& region, const GeoBounds& bounds) {
+  if (!region) return bounds;
+  std::optional<GeoBounds> all;
+  for (const double turn : {-360.0, 0.0, 360.0}) {
+    const GeoBounds cut{std::max(bounds.west + turn, region->west), std::max(bounds.south, region->south),
+                        std::min(bounds.east + turn, region->east), std::min(bounds.north, region->north)};
+    if (cut.width() <= 0 || cut.height() <= 0) continue;
+    all = all ? GeoBounds{std::min(all->west, cut.west), cut.south, std::max(all->east, cut.east), cut.north}
+              : cut;
+  }
+  if (!all) return bounds;
+  const double turns = 360 * std::floor((all->west + 180) / 360);
+  return {all->west - turns, all->south, all->east - turns, all->north};
+}
 
 Result<std::string> describe_pack(const BakePlan& layers, const BuildOptions& options,
                                   const HeightSummary& heights, const std::optional<ObjectSummary>& objects,

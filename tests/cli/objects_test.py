@@ -5,6 +5,7 @@ usage: tests/cli/objects_test.py REPOSITORY PROGRAMS [TEST...]"""
 
 import csv
 import json
+import math
 import pathlib
 import random
 import subprocess
@@ -64,7 +65,9 @@ class Objects(unittest.TestCase):
         return (self.west + self.east) / 2 + dx, (self.south + self.north) / 2 + dy
 
     def refused(self, text, expected, name="bad.csv", models=None, code=3):
-        path = self.write(name, text)
+        self.refused_file(self.write(name, text), expected, models, code)
+
+    def refused_file(self, path, expected, models=None, code=3):
         target = self.dir / "refused.cairn"
         ran = cairn("bake", DEM, "-o", target, "--objects", path, "--models", models or self.models, code=code)
         self.assertEqual(len(ran.stderr.strip().splitlines()), 1, ran.stderr)
@@ -137,6 +140,135 @@ class Objects(unittest.TestCase):
         cairn("verify", pack)
         self.refused("lon,lat,model\n0,0,oak\n", "expected a place with ground beneath it, found none")
 
+    def forest(self, **rule):
+        lon, lat = self.middle()
+        ring = [[lon - 0.05, lat - 0.05], [lon + 0.05, lat - 0.05], [lon + 0.04, lat + 0.05], [lon - 0.05, lat + 0.05]]
+        properties = {"model": "fir:3,oak", "density": 5, "spacing": 20, "seed": 3, **rule}
+        return {"type": "FeatureCollection", "features": [{
+            "type": "Feature", "properties": properties,
+            "geometry": {"type": "Polygon", "coordinates": [ring + ring[:1]]}}]}
+
+    def test_a_polygon_scatters_objects_by_its_rule_whatever_the_threads(self):
+        forest = self.write("forest.geojson", json.dumps(self.forest(min_scale=0.5, max_scale=2)))
+        one, _ = self.bake("forest1.cairn", [forest], "--threads", 1)
+        two, _ = self.bake("forest2.cairn", [forest], "--threads", 3, "--memory", 512)
+        self.assertEqual(one.read_bytes(), two.read_bytes())
+        cairn("verify", one)
+        rows = self.rows(one)
+        lon, lat = self.middle()
+        # A trapezium of 0.095 by 0.1 degrees on WGS84.
+        f = 1 / 298.257223563
+        w = 1 - f * (2 - f) * math.sin(math.radians(lat)) ** 2
+        north = math.radians(6378137 * (1 - f) ** 2 / w ** 1.5)
+        east = math.radians(6378137 / w ** 0.5 * math.cos(math.radians(lat)))
+        expected = 5 * 0.095 * east * 0.1 * north / 1e4
+        self.assertLess(abs(len(rows) - expected), 5 * expected ** 0.5)
+        firs = sum(r["model"] == "fir" for r in rows)
+        self.assertLess(abs(firs - 0.75 * len(rows)), 5 * (0.1875 * len(rows)) ** 0.5)
+        self.assertTrue(all(0.499 < float(r["scale"]) < 2.001 for r in rows))
+        info = json.loads(cairn("info", one, "--json").stdout)["objects"]
+        self.assertEqual((info["scattered"], info["outside_limits"], info["left_out"]), (len(rows), 0, 0))
+        # No two within the spacing: each is looked for in the squares around it. A place is stored to 1/128 of its size.
+        squares = {}
+        at = [(float(r["lon"]) * east, float(r["lat"]) * north) for r in rows]
+        for x, y in at:
+            squares.setdefault((x // 20, y // 20), []).append((x, y))
+        for x, y in at:
+            near = [p for i in (-1, 0, 1) for j in (-1, 0, 1) for p in squares.get((x // 20 + i, y // 20 + j), [])]
+            self.assertEqual(sum(math.hypot(p[0] - x, p[1] - y) < 19.5 for p in near), 1)
+
+    def test_limits_of_height_and_slope_keep_the_others_of_the_same_objects(self):
+        everywhere, _ = self.bake("all.cairn", [self.write("all.geojson", json.dumps(self.forest(density=1)))])
+        all_rows = self.rows(everywhere)
+        limits = dict(min_height=400, max_height=700, max_slope=20)
+        some, _ = self.bake("some.cairn", [self.write("some.geojson", json.dumps(self.forest(density=1, **limits)))])
+        got = self.rows(some)
+        # The slope by heights that cairn sample says, within the square of four samples.
+        level = json.loads(cairn("info", everywhere, "--json").stdout)["levels"][-1]["level"]
+        step = 2.0 ** -level / 512
+        points = []
+        for r in all_rows:
+            lon, lat = float(r["lon"]), float(r["lat"])
+            west, south = math.floor(lon / step) * step, math.floor(lat / step) * step
+            points += [(lon, lat), (west + step / 4, lat), (west + 3 * step / 4, lat), (lon, south + step / 4),
+                       (lon, south + 3 * step / 4)]
+        table = self.write("points.csv", "lon,lat\n" + "".join(f"{x!r},{y!r}\n" for x, y in points))
+        heights = [float(r["height"]) for r in csv.DictReader(
+            cairn("sample", everywhere, "--points", table).stdout.splitlines())]
+        expected, unsure = [], 0
+        for i, r in enumerate(all_rows):
+            h, w, e, s, n = heights[5 * i:5 * i + 5]
+            lat = math.radians(float(r["lat"]))
+            f = 1 / 298.257223563
+            v = 1 - f * (2 - f) * math.sin(lat) ** 2
+            dx = math.radians(step / 2) * 6378137 / v ** 0.5 * math.cos(lat)
+            dy = math.radians(step / 2) * 6378137 * (1 - f) ** 2 / v ** 1.5
+            slope = math.degrees(math.atan(math.hypot((e - w) / dx, (n - s) / dy)))
+            unsure += min(abs(slope - 20), abs(h - 400), abs(h - 700)) < 0.05
+            if 400 <= h <= 700 and slope <= 20:
+                expected.append((r["lon"], r["lat"], r["model"]))
+        self.assertLessEqual(len(set(expected) ^ {(r["lon"], r["lat"], r["model"]) for r in got}), unsure)
+        self.assertTrue(0.1 * len(all_rows) < len(got) < 0.9 * len(all_rows))
+        info = json.loads(cairn("info", some, "--json").stdout)["objects"]
+        self.assertEqual((info["scattered"], info["outside_limits"]), (len(got), len(all_rows) - len(got)))
+        self.refused(json.dumps(self.forest(min_height=8000)), "within its rule's limits, found none", name="no.geojson")
+
+    def test_what_ogr_writes_gives_the_objects_of_geojson(self):
+        lon, lat = self.middle()
+        point = lambda x, **p: {"type": "Feature", "properties": p,
+                                "geometry": {"type": "Point", "coordinates": [lon + x, lat]}}
+        points = self.write("points.geojson", json.dumps({"type": "FeatureCollection", "features": [
+            point(0, model="house", heading=90.5, scale=1.5, height=2, mode="ground"),
+            point(0.01, model="fir", heading=0, scale=1, height=900, mode="absolute")]}))
+        forest = self.write("wood.geojson", json.dumps(self.forest()))
+        def near(a, b):  # PROJ there and back moves a place by less than a step of it
+            self.assertEqual(len(a), len(b))
+            order = lambda r: (r["model"], round(float(r["lat"]), 5), round(float(r["lon"]), 5))
+            for p, q in zip(sorted(a, key=order), sorted(b, key=order)):
+                self.assertEqual(p["model"], q["model"])
+                for key, most in (("lon", 2e-6), ("lat", 2e-6), ("heading", 0.01), ("scale", 0.001), ("height", QUANTUM)):
+                    self.assertLessEqual(abs(float(p[key]) - float(q[key])), most, key)
+        for source in (points, forest):
+            pack, _ = self.bake("own.cairn", [source])
+            own = self.rows(pack)
+            # The driver LIBKML writes a field "model" as a thing of KML's own; KML writes it as it is.
+            for driver, ending, crs in (("ESRI Shapefile", "shp", "EPSG:32616"), ("GPKG", "gpkg", "EPSG:3857"),
+                                        ("KML", "kml", "EPSG:4326")):
+                with self.subTest(source=source.name, driver=driver):
+                    file = self.dir / f"{source.stem}.{ending}"
+                    subprocess.run(["ogr2ogr", "-f", driver, "-t_srs", crs, file, source], check=True,
+                                   capture_output=True)
+                    pack, _ = self.bake("ogr.cairn", [file])
+                    near(self.rows(pack), own)
+        # The files of a shapefile are all inputs: the bake is another where its table changes.
+        (self.dir / "wood.dbf").unlink()
+        self.refused_file(self.dir / "wood.shp", "model: expected NAME")
+        # Metres without a CRS are no degrees, and a table has no geometry.
+        subprocess.run(["ogr2ogr", "-t_srs", "EPSG:32616", self.dir / "bare.shp", points], check=True, capture_output=True)
+        (self.dir / "bare.prj").unlink()
+        self.refused_file(self.dir / "bare.shp", "feature 0: lon: expected -360 to 360")
+        lines = self.write("lines.geojson", json.dumps({"type": "Feature", "properties": {}, "geometry": {
+            "type": "LineString", "coordinates": [[lon, lat], [lon + 0.1, lat]]}}))
+        subprocess.run(["ogr2ogr", self.dir / "lines.gpkg", lines], check=True, capture_output=True)
+        self.refused_file(self.dir / "lines.gpkg", "layer lines: feature 1: geometry: expected a Point")
+
+    def test_a_side_car_of_the_editor_is_a_file_of_places(self):
+        lon, lat = self.middle()
+        text = {"type": "FeatureCollection", "features": [
+            {"type": "Feature", "note": "kept", "properties": {"model": "barn", "heading": 725.5, "scale": 1.25, "owner": 3},
+             "geometry": {"type": "Point", "coordinates": [lon, lat]}}]}
+        side_car = self.write("ground.cairn.objects.json", json.dumps(text))
+        pack, _ = self.bake("edited.cairn", [side_car])
+        row, = self.rows(pack)
+        self.assertEqual(row["model"], "barn")
+        self.assertAlmostEqual(float(row["heading"]), 5.5, delta=360 / 65536)
+        self.assertAlmostEqual(float(row["scale"]), 1.25, delta=1 / 4096)
+        # One from which all were deleted adds nothing to other files, and alone it is refused.
+        empty = self.write("empty.objects.json", json.dumps({"type": "FeatureCollection", "features": []}))
+        both, _ = self.bake("both.cairn", [empty, side_car])
+        self.assertEqual(self.rows(both), [row])
+        self.refused_file(empty, "expected places of objects, found none")
+
     def test_bad_places_are_refused_by_one_line(self):
         lon, lat = self.middle()
         head = "lon,lat,model,scale,mode\n"
@@ -154,6 +286,7 @@ class Objects(unittest.TestCase):
         self.refused("{", "found no JSON", name="bad.geojson")
         line = {"type": "Feature", "geometry": {"type": "LineString", "coordinates": []}, "properties": {}}
         self.refused(json.dumps(line), "feature 0: geometry: expected a Point", name="bad.geojson")
+        self.refused("no vectors", "expected CSV, GeoJSON or a format of GDAL", name="bad.gpkg")
 
     def test_bad_models_are_refused_by_one_line(self):
         lon, lat = self.middle()
