@@ -35,6 +35,7 @@ struct OldPack {
   bool allow_error = false;
   Sources dems;    ///< all, or without the kept units the names that the pack states
   Sources images;  ///< likewise
+  Sources places;  ///< likewise; none without the kept units
 };
 
 // What the pack itself says of its sources: names and hashes.
@@ -49,10 +50,7 @@ Sources named_sources(const nlohmann::json& list) {
 Result<OldPack> open_old(const fs::path& path) {
   auto reader = PackReader::open(path);
   if (!reader) return reader.error();
-  if (reader->levels(Layer::objects))
-    return usage_error(path.string() +
-                       ": update: expected a pack without objects, found one with; bake it anew");
-  OldPack old{std::move(*reader), read_kept_units(path), std::nullopt, {}, false, {}, {}};
+  OldPack old{std::move(*reader), read_kept_units(path), std::nullopt, {}, false, {}, {}, {}};
   if (old.kept) {
     auto records = JournalReader::open(units_path(path));
     if (!records) return records.error();
@@ -61,6 +59,7 @@ Result<OldPack> open_old(const fs::path& path) {
     old.allow_error = old.kept->allow_error;
     old.dems = old.kept->dems;
     old.images = old.kept->images;
+    old.places = old.kept->places;
     return old;
   }
   const auto metadata = nlohmann::json::parse(old.reader.metadata_json(), nullptr, false);
@@ -140,17 +139,32 @@ Status NewSet::collect(std::vector<fs::path>& out, std::vector<UpdateReport::Cha
   return {};
 }
 
+// The metadata names the files of objects, but not which of them is of places, nor the models' folder.
+Status use_models(const UpdateOptions& asked, const OldPack& old, ObjectOptions& objects) {
+  const std::string name = asked.pack.string();
+  if (!old.kept && asked.places.empty() && old.reader.levels(Layer::objects))
+    return failed(name + ": expected " + units_path(asked.pack).string() +
+                  ", which names the files of its objects, found none of this pack, and no new ones");
+  if (objects.places.empty()) return {};
+  objects.models = asked.models;
+  if (objects.models.empty() && old.kept) objects.models = old.kept->models;
+  if (!objects.models.empty()) return {};
+  return usage_error(name + ": models: expected the folder of the objects' models, found none");
+}
+
 Result<BuildOptions> new_options(const UpdateOptions& asked, const OldPack& old, UpdateReport& report) {
   auto options = from_json(old.options);
   if (!options) return options.error();
-  NewSet dems(old.dems, asked.dems), images(old.images, asked.images);
+  NewSet dems(old.dems, asked.dems), images(old.images, asked.images), places(old.places, asked.places);
   for (const fs::path& file : asked.removed) {
-    if (!dems.remove(file) && !images.remove(file))
+    if (!dems.remove(file) && !images.remove(file) && !places.remove(file))
       return usage_error(file.string() +
                          ": expected a source of the pack to remove, found none of this name");
   }
   if (auto status = dems.collect(options->mosaic.inputs, report.changes); !status) return status.error();
   if (auto status = images.collect(options->imagery.inputs, report.changes); !status) return status.error();
+  if (auto status = places.collect(options->objects.places, report.changes); !status) return status.error();
+  if (auto status = use_models(asked, old, options->objects); !status) return status.error();
   if (old.kept && old.kept->geoid) options->mosaic.geoid = old.kept->geoid->path;
   if (!old.kept && old.options.value("geoid", false))
     return failed(asked.pack.string() + ": expected " + units_path(asked.pack).string() +
@@ -183,7 +197,15 @@ void note_changes(const OldPack& old, const BuildOptions& options, const std::ve
     }
   };
   note(options.mosaic.inputs, old.dems, 0);
-  note(options.imagery.inputs, old.images, options.mosaic.inputs.size());
+  const std::size_t images = options.mosaic.inputs.size();
+  note(options.imagery.inputs, old.images, images);
+  if (options.objects.places.empty()) return;
+  const std::size_t places = images + options.imagery.inputs.size() + (options.mosaic.geoid ? 1 : 0);
+  note(options.objects.places, old.places, places);
+  const std::vector<fs::path> files = files_of(options);
+  const std::size_t models = places + options.objects.places.size();
+  if (old.kept)
+    note({files.begin() + static_cast<std::ptrdiff_t>(models), files.end()}, old.kept->model_files, models);
 }
 
 /// Finds the units of the old pack that have the keys of the new one.

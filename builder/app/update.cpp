@@ -24,6 +24,7 @@ struct UpdateArguments {
   UpdateOptions options;
   std::vector<std::string> inputs;
   std::vector<std::string> images;
+  std::vector<std::string> places;
   std::vector<std::string> removed;
   InputSearch search;
   std::size_t memory_mib = 1024;
@@ -52,8 +53,11 @@ Status update(UpdateArguments arguments) {
   if (auto status = find(arguments.inputs, options.dems); !status) return status;
   if (auto status = find(arguments.images, options.images); !status) return status;
   options.removed.assign(arguments.removed.begin(), arguments.removed.end());
-  if (options.dems.empty() && options.images.empty() && options.removed.empty())
-    return usage_error("update: expected inputs, images after --imagery, or --remove, found none of them");
+  options.places.assign(arguments.places.begin(), arguments.places.end());
+  if (options.dems.empty() && options.images.empty() && options.removed.empty() && options.places.empty() &&
+      options.models.empty())
+    return usage_error(
+        "update: expected inputs, --imagery, --objects, --models or --remove, found none of them");
   if (options.session.target.empty()) options.session.target = options.pack;
   options.session.memory_bytes = arguments.memory_mib << 20;
   BuildOptions of_session;
@@ -90,6 +94,9 @@ void add_update(CLI::App& app, int& exit_code) {
       "DEMs that are new, or new versions of the pack's own of the same name; as cairn bake takes "
       "them");
   verb->add_option("--imagery", arguments->images, "images, likewise");
+  verb->add_option("--objects", arguments->places, "places of objects, likewise")->check(CLI::ExistingFile);
+  verb->add_option("--models", o.models, "the folder of the objects' models, where it is another one")
+      ->check(CLI::ExistingDirectory);
   verb->add_option("--remove", arguments->removed, "a source of the pack to leave out, by its file's name")
       ->allow_extra_args(false);
   verb->add_flag("--recursive", arguments->search.recursive, "search folders with all folders in them");

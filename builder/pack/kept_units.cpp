@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "builder/bake/bake_target.h"
+#include "builder/objects/object_layer.h"
 #include "builder/pack/options_json.h"
 #include "cairn/pack_reader.h"
 #include "format/bytes.h"
@@ -48,7 +49,14 @@ nlohmann::json describe(const PackId& pack, const BakePlan& layers, const BuildO
         json_of(options.mosaic.inputs[s], hashes[file], layers.heights->pool().has_voids(s)));
   for (std::size_t s = 0; s < options.imagery.inputs.size(); ++s, ++file)
     json["images"].push_back(json_of(options.imagery.inputs[s], hashes[file], false));
-  if (options.mosaic.geoid) json["geoid"] = json_of(*options.mosaic.geoid, hashes[file], false);
+  if (options.mosaic.geoid) json["geoid"] = json_of(*options.mosaic.geoid, hashes[file++], false);
+  if (options.objects.places.empty()) return json;
+  json["models"] = lasting_name(options.objects.models);
+  const std::size_t first_model = file + options.objects.places.size();
+  for (const fs::path& path : files_of(options.objects)) {
+    json[file < first_model ? "places" : "model_files"].push_back(json_of(path, hashes[file], false));
+    ++file;
+  }
   return json;
 }
 
@@ -97,6 +105,12 @@ bool read_last(std::span<const std::byte> bytes, KeptUnits& kept) {
     for (const nlohmann::json& source : json.at("dems")) kept.dems.push_back(source_from(source));
     for (const nlohmann::json& source : json.at("images")) kept.images.push_back(source_from(source));
     if (json.contains("geoid")) kept.geoid = source_from(json.at("geoid"));
+    if (json.contains("models")) {
+      kept.models = json.at("models").get<std::string>();
+      for (const nlohmann::json& source : json.at("places")) kept.places.push_back(source_from(source));
+      for (const nlohmann::json& source : json.at("model_files"))
+        kept.model_files.push_back(source_from(source));
+    }
   } catch (const nlohmann::json::exception&) {
     return false;
   }

@@ -28,6 +28,9 @@ struct KeptUnits {
   std::vector<Source> dems;
   std::vector<Source> images;
   std::optional<Source> geoid;
+  std::vector<Source> places;    ///< files of places of objects
+  std::filesystem::path models;  ///< the folder of their models
+  std::vector<Source> model_files;
   UnitKeys keys;
   std::vector<RecordPlace> heights;  ///< the records of keys.heights, in their order
   std::vector<RecordPlace> imagery;  ///< likewise

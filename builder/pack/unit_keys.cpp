@@ -136,9 +136,11 @@ std::vector<UnitKey> height_keys(const BakePlan& layers, const BuildOptions& opt
   Json common = to_json(options);
   common.erase("imagery");
   common.erase("rqt");
+  common.erase("objects");
   common["with"] = {plan.quantum_m(), plan.error_bound_m(), plan.least_error_bound_m(), plan.top(),
                     plan.finest()};
-  if (options.mosaic.geoid) common["geoid"] = hashes.back();
+  if (options.mosaic.geoid)
+    common["geoid"] = hashes[options.mosaic.inputs.size() + options.imagery.inputs.size()];
   KeyMaker maker(mosaic.pool(), hashes);
   maker.append_common(common.dump());
   if (options.mosaic.fade_posts == 0) {

@@ -121,7 +121,7 @@ Result<ShardReport> bake_in_arena(const std::filesystem::path& plan_file, std::s
   ShardReport report;
   report.units = count_units(*layers, shard);
   auto part =
-      PartWriter::begin(session, {plan->version, plan->id, number, plan->shards.size(), report.units});
+      PartWriter::begin(session, {plan->version, shard.key, number, plan->shards.size(), report.units});
   if (!part) return part.error();
   report.resumed = part->done() > 0;
   ShardBake bake{*layers, *options, threads, *part, 0, progress};

@@ -9,7 +9,7 @@
 #include "builder/bake/thread_arena.h"
 #include "builder/pack/kept_units.h"
 #include "builder/pack/make_pack.h"
-#include "builder/shard/part_sink.h"
+#include "builder/shard/part_merge.h"
 #include "builder/shard/planned_bake.h"
 #include "builder/shard/shard_tiles.h"
 #include "cairn/shards.h"
@@ -19,13 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The part of each shard, by number, and how far it has been read.
+/// The part of each shard, by number.
 struct Parts {
-  struct Part {
-    fs::path path;
-    std::uint64_t position = 0;
-  };
-  std::vector<Part> by_shard;
+  std::vector<MergedPart> by_shard;
 };
 
 Result<Parts> find_parts(const fs::path& plan_file, const ShardPlan& plan,
@@ -39,10 +35,15 @@ Result<Parts> find_parts(const fs::path& plan_file, const ShardPlan& plan,
     if (d.version != plan.version)
       return bad_data(file.string() + ": expected a part that cairn " + plan.version +
                       " made, found one of cairn " + d.version);
-    if (d.plan != plan.id || d.shards != plan.shards.size() || d.shard >= plan.shards.size())
-      return bad_data(file.string() + ": expected a part of the plan " + hex_of(plan.id) + " (" +
-                      plan_file.string() + "), found one of the plan " + hex_of(d.plan));
-    Parts::Part& own = parts.by_shard[d.shard];
+    if (d.shards != plan.shards.size() || d.shard >= plan.shards.size())
+      return bad_data(file.string() + ": expected a part of " + std::to_string(plan.shards.size()) +
+                      " shards, as in " + plan_file.string() + ", found shard " + std::to_string(d.shard) +
+                      " of " + std::to_string(d.shards));
+    if (d.key != plan.shards[d.shard].key)
+      return bad_data(file.string() + ": expected shard " + std::to_string(d.shard) + " of " +
+                      plan_file.string() + " with the key " + hex_of(plan.shards[d.shard].key) +
+                      ", found one of other inputs or options with the key " + hex_of(d.key));
+    MergedPart& own = parts.by_shard[d.shard];
     if (!own.path.empty())
       return usage_error(file.string() + ": expected each shard once, found shard " +
                          std::to_string(d.shard) + " in " + own.path.string() + " too");
@@ -57,35 +58,9 @@ Result<Parts> find_parts(const fs::path& plan_file, const ShardPlan& plan,
   return parts;
 }
 
-/// Takes a layer's units over from one part.
-template <TileLayer L>
-Status merge_part(Parts::Part& part, const std::vector<TileId>& units, Layer kind, const L& layer,
-                  const TileTree& tree, std::uint64_t per_leaf, BakeSession& session, LayerSink<L>& sink,
-                  Progress& now, const ProgressCallback& progress) {
-  auto reader = PartReader::open_at(part.path, part.position);
-  if (!reader) return reader.error();
-  for (const TileId& unit : units) {
-    auto record = reader->next();
-    if (!record) return record.error();
-    if (record->layer != kind || record->unit != unit)
-      return bad_data(part.path.string() + ": expected the unit " + to_string(kind) + " " + to_string(unit) +
-                      ", found " + to_string(record->layer) + " " + to_string(record->unit));
-    auto risen = subtree_of(layer, *record);
-    if (!risen) return bad_data(part.path.string() + ": " + risen.error().message);
-    const Status taken = sink.take_over(
-        unit, record->blocks, {{}, std::move(record->held), std::move(record->root)}, std::move(*risen));
-    if (!taken) return taken;
-    now.done += tree.leaves(unit).size() * per_leaf;
-    now.bytes_written = session.writer.position();
-    if (!progress(now)) return cancelled(now);
-  }
-  part.position = reader->position();
-  return {};
-}
-
 /// The end of every part is where its last unit is.
 Status check_ends(const Parts& parts) {
-  for (const Parts::Part& part : parts.by_shard) {
+  for (const MergedPart& part : parts.by_shard) {
     auto reader = PartReader::open_at(part.path, part.position);
     if (!reader) return reader.error();
     if (auto status = reader->check_end(); !status) return status;
@@ -110,6 +85,7 @@ Result<BuildReport> merge_in_arena(const fs::path& plan_file, const std::vector<
   // 2. What the whole bake is, from the plan alone.
   auto options = options_of(*plan);
   if (!options) return options.error();
+  if (auto status = check_object_files(*plan, *options); !status) return status.error();
   options->session = asked;
   options->session.resume = false;
   const auto layers = plan_bake(sources_of(*plan, std::nullopt), *options, threads);

@@ -17,7 +17,7 @@ using SortedJson = nlohmann::json;
 
 // The first record of a part: its description as JSON.
 std::vector<std::byte> encode(const PartDescription& d) {
-  const std::string text = SortedJson{{"cairn_part", 1},  {"cairn", d.version}, {"plan", hex_of(d.plan)},
+  const std::string text = SortedJson{{"cairn_part", 1},  {"cairn", d.version}, {"key", hex_of(d.key)},
                                       {"shard", d.shard}, {"shards", d.shards}, {"units", d.units}}
                                .dump();
   const auto bytes = std::as_bytes(std::span(text));
@@ -30,7 +30,7 @@ std::optional<PartDescription> decode(std::span<const std::byte> bytes) {
   if (!json.is_object() || json.value("cairn_part", SortedJson()) != 1) return std::nullopt;
   try {
     return PartDescription{json.at("cairn").get<std::string>(),
-                           std::stoull(json.at("plan").get<std::string>(), nullptr, 16),
+                           std::stoull(json.at("key").get<std::string>(), nullptr, 16),
                            json.at("shard").get<std::size_t>(), json.at("shards").get<std::size_t>(),
                            json.at("units").get<std::uint64_t>()};
   } catch (const std::exception&) {

@@ -16,7 +16,7 @@ namespace cairn {
 /// Whose tiles a part holds.
 struct PartDescription {
   std::string version;      ///< of the program that made it
-  std::uint64_t plan = 0;   ///< the plan's id
+  std::uint64_t key = 0;    ///< the shard's, see Shard
   std::size_t shard = 0;    ///< by number in the plan
   std::size_t shards = 0;   ///< of the plan
   std::uint64_t units = 0;  ///< records that follow

@@ -126,9 +126,6 @@ std::vector<std::size_t> files_for(const BakePlan& layers, const BuildOptions& o
 }
 
 Status check_plan_target(const BuildOptions& options) {
-  if (!options.objects.places.empty())
-    return usage_error("objects: expected none in a bake that is divided, found " +
-                       options.objects.places.front().string());
   const fs::path& target = options.session.target;
   const auto inputs = files_of(options);
   if (auto status = check_is_no_input(target, inputs); !status) return status;
@@ -184,6 +181,8 @@ Result<PlanReport> plan_in_arena(const BuildOptions& options, const ShardSize& s
   plan.options = to_json(options);
   plan.allow_error = options.heights.allow_error;
   plan.with_geoid = options.mosaic.geoid.has_value();
+  plan.places = options.objects.places.size();
+  if (plan.places > 0) plan.models = options.objects.models;
   plan.memory_bytes = options.session.memory_bytes;
   if (auto status = look_at_sources(*layers, options, progress, plan); !status) return status.error();
   if (layers->imagery)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -57,6 +58,14 @@ Status check_file(const PlannedFile& planned) {
   return {};
 }
 
+Status check_all(const ShardPlan& plan, const std::vector<std::size_t>& numbers) {
+  std::vector<Status> found(numbers.size());
+  tbb::parallel_for(std::size_t{0}, found.size(),
+                    [&](std::size_t i) { found[i] = check_file(plan.files[numbers[i]]); });
+  const auto first = std::find_if(found.begin(), found.end(), [](const Status& s) { return !s.ok(); });
+  return first == found.end() ? Status() : *first;
+}
+
 }  // namespace
 
 Result<BuildOptions> options_of(const ShardPlan& plan) {
@@ -65,7 +74,10 @@ Result<BuildOptions> options_of(const ShardPlan& plan) {
   const std::size_t dems = plan.dems.size(), images = plan.images.size();
   for (std::size_t f = 0; f < dems; ++f) options->mosaic.inputs.push_back(plan.dems[f].path);
   for (std::size_t f = 0; f < images; ++f) options->imagery.inputs.push_back(plan.images[f].path);
-  if (plan.with_geoid) options->mosaic.geoid = plan.files.back().path;
+  if (plan.with_geoid) options->mosaic.geoid = plan.files[dems + images].path;
+  for (std::size_t p = 0; p < plan.places; ++p)
+    options->objects.places.push_back(plan.files[plan.first_of_objects() + p].path);
+  options->objects.models = plan.models;
   options->heights.allow_error = plan.allow_error;
   options->session.memory_bytes = plan.memory_bytes;
   return options;
@@ -100,11 +112,19 @@ Result<PlannedFile> look_at(const fs::path& path) {
 }
 
 Status check_files(const ShardPlan& plan, const Shard& shard) {
-  std::vector<Status> found(shard.files.size());
-  tbb::parallel_for(std::size_t{0}, found.size(),
-                    [&](std::size_t i) { found[i] = check_file(plan.files[shard.files[i]]); });
-  const auto first = std::find_if(found.begin(), found.end(), [](const Status& s) { return !s.ok(); });
-  return first == found.end() ? Status() : *first;
+  return check_all(plan, shard.files);
+}
+
+Status check_object_files(const ShardPlan& plan, const BuildOptions& options) {
+  if (plan.places == 0) return {};
+  std::vector<std::size_t> numbers(plan.files.size() - plan.first_of_objects());
+  std::iota(numbers.begin(), numbers.end(), plan.first_of_objects());
+  if (auto status = check_all(plan, numbers); !status) return status;
+  const std::size_t before = plan.first_of_objects() + plan.places, found = files_of(options).size();
+  if (found == plan.files.size()) return {};
+  return bad_data(plan.models.string() + ": models: expected the " +
+                  std::to_string(plan.files.size() - before) + " files that were planned, found " +
+                  std::to_string(found - before));
 }
 
 }  // namespace cairn

@@ -22,4 +22,8 @@ Result<PlannedFile> look_at(const std::filesystem::path& path);
 /// one has changed.
 Status check_files(const ShardPlan& plan, const Shard& shard);
 
+/// check_files() for the places and models of the objects, which a merge reads: there are no other models in
+/// their folder, either.
+Status check_object_files(const ShardPlan& plan, const BuildOptions& options);
+
 }  // namespace cairn

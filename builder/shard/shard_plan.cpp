@@ -58,22 +58,29 @@ ShardTiles tiles_from(const SortedJson& json) {
   return tiles;
 }
 
+SortedJson json_of(const Shard& shard) {
+  return {{"heights", json_of(shard.heights)},
+          {"imagery", json_of(shard.imagery)},
+          {"files", shard.files},
+          {"estimated_bytes", shard.estimated_bytes},
+          {"estimated_seconds", shard.estimated_seconds},
+          {"key", hex_of(shard.key)}};
+}
+
 SortedJson json_of(const ShardPlan& plan) {
   SortedJson json{
       {"cairn_plan", kPlanVersion},      {"cairn", plan.version},         {"options", plan.options},
       {"allow_error", plan.allow_error}, {"with_geoid", plan.with_geoid}, {"memory_bytes", plan.memory_bytes},
       {"files", SortedJson::array()},    {"dems", SortedJson::array()},   {"images", SortedJson::array()},
       {"has_voids", plan.has_voids},     {"shards", SortedJson::array()}};
+  if (plan.places > 0)
+    json["objects"] = {{"places", plan.places}, {"models", {{"path", plan.models.string()}}}};
   for (const PlannedFile& file : plan.files) json["files"].push_back(json_of(file));
   for (const RasterInfo& info : plan.dems) json["dems"].push_back(to_json(info));
   for (const RasterInfo& info : plan.images) json["images"].push_back(to_json(info));
   for (const Shard& shard : plan.shards) {
-    json["shards"].push_back({{"number", json["shards"].size()},
-                              {"heights", json_of(shard.heights)},
-                              {"imagery", json_of(shard.imagery)},
-                              {"files", shard.files},
-                              {"estimated_bytes", shard.estimated_bytes},
-                              {"estimated_seconds", shard.estimated_seconds}});
+    json["shards"].push_back(json_of(shard));
+    json["shards"].back()["number"] = json["shards"].size() - 1;
   }
   return json;
 }
@@ -86,11 +93,38 @@ void drop_folders(SortedJson& json) {
     for (auto& member : json) drop_folders(member);
 }
 
+std::uint64_t hash_of(const SortedJson& json) {
+  const std::string text = json.dump();
+  return checksum(std::as_bytes(std::span(text)));
+}
+
 std::uint64_t id_of(SortedJson json) {
   json.erase("id");
   drop_folders(json);
-  const std::string text = json.dump();
-  return checksum(std::as_bytes(std::span(text)));
+  return hash_of(json);
+}
+
+// Where the sources lie, and what is chosen by all of them together, decides every part; the bytes of those
+// alone that the shard reads.
+SortedJson common_of(const SortedJson& plan) {
+  SortedJson common;
+  for (const char* member : {"cairn", "options", "allow_error", "with_geoid", "dems", "images"})
+    common[member] = plan.at(member);
+  common["options"].erase("objects");
+  common["options"].erase("rqt");
+  drop_folders(common);
+  return common;
+}
+
+std::uint64_t key_of(const ShardPlan& plan, const Shard& shard, std::uint64_t common) {
+  SortedJson json{
+      {"common", common}, {"heights", json_of(shard.heights)}, {"imagery", json_of(shard.imagery)}};
+  for (const std::size_t file : shard.files) {
+    json["files"].push_back(json_of(plan.files[file]));
+    json["voids"].push_back(file < plan.has_voids.size() ? plan.has_voids[file] : 0);
+  }
+  drop_folders(json);
+  return hash_of(json);
 }
 
 ShardPlan plan_from(const SortedJson& json) {
@@ -101,12 +135,16 @@ ShardPlan plan_from(const SortedJson& json) {
   plan.with_geoid = json.at("with_geoid").get<bool>();
   plan.memory_bytes = json.at("memory_bytes").get<std::uint64_t>();
   plan.has_voids = json.at("has_voids").get<std::vector<std::uint8_t>>();
+  if (json.contains("objects")) {
+    plan.places = json.at("objects").at("places").get<std::size_t>();
+    plan.models = json.at("objects").at("models").at("path").get<std::string>();
+  }
   for (const SortedJson& file : json.at("files")) plan.files.push_back(file_from(file));
   for (const SortedJson& shard : json.at("shards")) {
     plan.shards.push_back({tiles_from(shard.at("heights")), tiles_from(shard.at("imagery")),
                            shard.at("files").get<std::vector<std::size_t>>(),
                            shard.at("estimated_bytes").get<std::uint64_t>(),
-                           shard.at("estimated_seconds").get<double>()});
+                           shard.at("estimated_seconds").get<double>(), number_from_hex(shard.at("key"))});
   }
   return plan;
 }
@@ -121,8 +159,9 @@ Status read_sources(const SortedJson& json, std::vector<RasterInfo>& sources) {
 }
 
 Status check_numbers(const ShardPlan& plan) {
-  const std::size_t files = plan.dems.size() + plan.images.size() + (plan.with_geoid ? 1 : 0);
-  bool right = plan.files.size() == files && plan.has_voids.size() == plan.dems.size();
+  const std::size_t files = plan.first_of_objects();
+  bool right = plan.has_voids.size() == plan.dems.size() &&
+               (plan.places == 0 ? plan.files.size() == files : plan.files.size() >= files + plan.places);
   for (const Shard& shard : plan.shards) {
     for (const std::size_t file : shard.files) right = right && file < files;
     for (const ShardTiles* tiles : {&shard.heights, &shard.imagery})
@@ -138,9 +177,11 @@ std::string hex_of(std::uint64_t number) {
 }
 
 Status write_shard_plan(ShardPlan& plan, const fs::path& target) {
-  SortedJson json = json_of(plan);
   const fs::path part = fs::path(target).concat(".part");
   try {
+    const std::uint64_t common = hash_of(common_of(json_of(plan)));
+    for (Shard& shard : plan.shards) shard.key = key_of(plan, shard, common);
+    SortedJson json = json_of(plan);
     plan.id = id_of(json);
     json["id"] = hex_of(plan.id);
     std::ofstream out(part, std::ios::binary);

@@ -321,12 +321,6 @@ class Objects(unittest.TestCase):
             ran = cairn("bake", DEM, "-o", target, *more, code=2)
             self.assertIn(expected, ran.stderr)
             self.assertEqual(len(ran.stderr.strip().splitlines()), 1, ran.stderr)
-        ran = cairn("plan", DEM, "-o", self.dir / "plan.json", "--shards", 2, "--objects", self.places, "--models",
-                    self.models, code=2)
-        self.assertIn("expected none in a bake that is divided", ran.stderr)
-        pack, _ = self.bake("update.cairn", [self.places])
-        ran = cairn("update", pack, DEM, code=2)
-        self.assertIn("expected a pack without objects", ran.stderr)
 
 
 if __name__ == "__main__":

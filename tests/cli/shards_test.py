@@ -100,6 +100,27 @@ def picture(path, lon, lat, width, height, degree, seed=0):
     return path
 
 
+def model(folder, name, size):
+    """A model of one triangle."""
+    folder.mkdir(exist_ok=True)
+    path = folder / f"{name}.obj"
+    path.write_text(f"v 0 0 0\nv {size} 0 0\nv 0 {size} {size}\nf 1 2 3\n")
+    return path
+
+
+def places(path, count, bounds, models, seed=0):
+    """Places of objects, some of which have no ground beneath them."""
+    order = random.Random(seed)
+    west, south, east, north = bounds
+    lines = ["lon,lat,model,heading,scale,height,mode"]
+    for _ in range(count):
+        lines.append(f"{order.uniform(west, east):.7f},{order.uniform(south, north):.7f},{order.choice(models)},"
+                     f"{order.randrange(360)},{order.uniform(0.5, 2):.3f},"
+                     + order.choice(["0,ground", "3.5,ground", "900,absolute"]))
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
 class InTemporaryFolder(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="cairn-shards-"))
@@ -202,6 +223,116 @@ class Shards(InTemporaryFolder):
                             "imagery/swellendam_3420B_2010_328_RGB_LATLNG.tif")
         self.check([files[0], "--imagery", files[1], "--texture-quality", "fast", "--region", "20.4,-34.1,20.6,-33.9"],
                    [2, 7])
+
+
+    def test_parts_stay_good_where_the_change_of_a_cell_is_far_off(self):
+        cells = [cell(self.inputs, 20 + x, 40, 600) for x in range(6)]
+        plan, parts = self.folder / "plan.json", [self.folder / f"{shard}.part" for shard in range(6)]
+
+        def planned():
+            cairn("plan", *cells, "--tile-size", 257, "--shards", 6, "--force", "-o", plan)
+            return [shard["key"] for shard in json.loads(plan.read_text())["shards"]]
+
+        def bake(shards):
+            for shard in shards:
+                cairn("bake", "--plan", plan, "--shard", shard, "--force", "-o", parts[shard])
+
+        before = planned()
+        bake(range(6))
+        cell(self.inputs, 25, 40, 600, seed=3)
+        changed = [shard for shard, key in enumerate(planned()) if key != before[shard]]
+        self.assertIn(5, changed)
+        self.assertLessEqual(len(changed), 2)
+        merged, whole = self.folder / "merged.cairn", self.folder / "whole.cairn"
+        self.assertIn(f"{changed[0]}.part", cairn("merge", plan, *parts, "-o", merged, code=3).stderr)
+        bake(changed)
+        cairn("merge", plan, *parts, "-o", merged)
+        cairn("bake", *cells, "--tile-size", 257, "-o", whole)
+        self.assertEqual(merged.read_bytes(), whole.read_bytes())
+
+
+class Objects(InTemporaryFolder):
+    """Places and models, beside the folder of rasters: merges and updates read them."""
+
+    OPTIONS = ["--tile-size", 257, "--quantum", 0.25]
+
+    def setUp(self):
+        super().setUp()
+        self.cells = [cell(self.inputs, 20 + x, 40 + y, 600) for x in range(2) for y in range(2)]
+        self.models = self.folder / "models"
+        for name, size in (("house", 9), ("mast", 70), ("wall", 2500)):
+            model(self.models, name, size)
+        self.files = [places(self.folder / f"{n}.csv", 3000, (19.9, 40.1 + n, 22.1, 41 + n), ["house", "mast", "wall"], n)
+                      for n in range(2)]
+
+    def arguments(self):
+        objects = ["--objects", *self.files, "--models", self.models] if self.files else []
+        return [*self.cells, *self.OPTIONS, *objects]
+
+    def full(self):
+        pack = self.folder / "full.cairn"
+        cairn("bake", *self.arguments(), "-o", pack, "--force", "--threads", 2)
+        return pack.read_bytes()
+
+    def test_merged_parts_are_one_bake(self):
+        Shards.check(self, [*self.arguments(), "--rqt", 4], [1, 2, 7])
+
+    only = Shards.only
+
+    def test_a_merge_reads_objects_as_they_were_planned(self):
+        plan, out = self.folder / "plan.json", self.folder / "out.cairn"
+        cairn("plan", *self.arguments(), "--shards", 2, "-o", plan)
+        parts = [self.folder / f"{shard}.part" for shard in range(2)]
+        for shard in range(2):
+            cairn("bake", "--plan", plan, "--shard", shard, "-o", parts[shard])
+        added = model(self.models, "added", 5)
+        self.assertIn("expected the 3 files that were planned", cairn("merge", plan, *parts, "-o", out, code=3).stderr)
+        added.unlink()
+        for path in (self.files[1], self.models / "mast.obj"):
+            text = path.read_text()
+            path.write_text(text + "\n")
+            self.assertIn(path.name, cairn("merge", plan, *parts, "-o", out, code=3).stderr)
+            path.write_text(text)
+        (self.files[0]).rename(self.folder / "gone")
+        self.assertIn(self.files[0].name, cairn("merge", plan, *parts, "-o", out, code=1).stderr)
+        self.assertFalse(out.exists())
+        (self.folder / "gone").rename(self.files[0])
+        cairn("merge", plan, *parts, "-o", out)
+        self.assertEqual(out.read_bytes(), self.full())
+        self.assertIn("3.csv", cairn("plan", *self.cells, "--objects", self.folder / "3.csv", "--models", self.models,
+                                     "--shards", 2, "-o", self.folder / "no.json", code=2).stderr)
+
+    def test_updates_in_a_row(self):
+        pack = self.folder / "pack.cairn"
+        cairn("bake", *self.arguments(), "-o", pack)
+
+        def update(*arguments):
+            cairn("update", pack, *arguments)
+            self.assertEqual(pack.read_bytes(), self.full(), str(arguments))
+
+        update(cell(self.inputs, 21, 41, 600, seed=4))
+        update("--objects", places(self.files[0], 2000, (20, 40, 22, 41), ["house", "wall"], 7))
+        model(self.models, "house", 12)
+        dry = json.loads(cairn("update", pack, "--models", self.models, "--dry-run", "--json").stdout)
+        self.assertEqual([pathlib.Path(change["file"]).name for change in dry["changes"]], ["house.obj"])
+        self.assertEqual(dry["units_made"], 0)
+        update("--models", self.models)
+        self.files.append(places(self.folder / "more.csv", 500, (20, 40, 22, 42), ["mast"], 8))
+        update("--objects", self.files[-1])
+        other = self.folder / "other"
+        shutil.move(self.models, other)
+        self.models = other
+        update("--models", self.models)
+        update("--remove", self.files.pop(0).name, cell(self.inputs, 20, 40, 600, seed=2))
+        self.files.clear()
+        update("--remove", "1.csv", "--remove", "more.csv")
+        self.assertIn("models", cairn("update", pack, "--objects", self.folder / "0.csv", code=2).stderr)
+        self.files = [self.folder / "0.csv"]
+        update("--objects", *self.files, "--models", self.models)
+        # What the pack itself states does not say where its objects are from.
+        (self.folder / "pack.cairn.units").unlink()
+        self.assertIn("pack.cairn.units", cairn("update", pack, *self.cells, code=1).stderr)
+        update(*self.cells, "--objects", *self.files, "--models", self.models)
 
 
 class Refusals(InTemporaryFolder):

@@ -58,8 +58,9 @@ Result<ShardReport> bake_shard(const std::filesystem::path& plan, std::size_t sh
                                const SessionOptions& session, const ProgressCallback& progress);
 
 /// Puts the parts of all shards together, in whatever order they are given. The pack has the bytes of
-/// build()'s for the inputs and options that were planned. Of the plan's files none is read. Memory does not
-/// grow with the parts. The error names a part that is missing, given twice, or of another plan.
+/// build()'s for the inputs and options that were planned. Of the plan's files those of objects alone are
+/// read: places and models, which have to be as they were planned. Memory does not grow with the parts. The
+/// error names a part that is missing, given twice, or of another plan.
 Result<BuildReport> merge_parts(const std::filesystem::path& plan,
                                 const std::vector<std::filesystem::path>& parts,
                                 const SessionOptions& session, const ProgressCallback& progress);

@@ -15,8 +15,10 @@ namespace cairn {
 /// How the inputs of a pack change.
 struct UpdateOptions {
   std::filesystem::path pack;
-  std::vector<std::filesystem::path> dems;     ///< new ones, and new versions of those of the pack
-  std::vector<std::filesystem::path> images;   ///< likewise
+  std::vector<std::filesystem::path> dems;    ///< new ones, and new versions of those of the pack
+  std::vector<std::filesystem::path> images;  ///< likewise
+  std::vector<std::filesystem::path> places;  ///< likewise, of objects
+  std::filesystem::path models;               ///< the folder of the objects' models; empty for the pack's own
   std::vector<std::filesystem::path> removed;  ///< sources of the pack, by path or by the name of the file
   SessionOptions session;                      ///< with the pack as its target, that is replaced
   bool dry_run = false;                        ///< only says what would be done
@@ -39,9 +41,10 @@ struct UpdateReport {
 /// Gives a pack the bytes that a full bake of its changed set of inputs has, with the pack's own options. A
 /// unit is made again only where a source that reaches it has changed; else its tiles are copied.
 ///
-/// A file of `dems` or `images` whose name is that of a source of the pack takes its place; another one is
-/// added behind all others. Where the files name the whole new set, their order counts instead, as in a bake.
-/// Sources that are not named stay and have to be where they were.
+/// A file of `dems`, `images` or `places` whose name is that of a source of the pack takes its place; another
+/// one is added behind all others. Where the files name the whole new set, their order counts instead, as in
+/// a bake. Sources that are not named stay and have to be where they were. Triangulations and objects are all
+/// made again.
 Result<UpdateReport> update_pack(const UpdateOptions& options, const ProgressCallback& progress);
 
 }  // namespace cairn
