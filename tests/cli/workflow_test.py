@@ -3,6 +3,8 @@
 
 usage: tests/cli/workflow_test.py REPOSITORY PROGRAMS [TEST...]"""
 
+import contextlib
+import ctypes
 import getpass
 import json
 import os
@@ -17,7 +19,8 @@ import time
 import unittest
 
 REPOSITORY, PROGRAMS = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-SNAKEFILE = REPOSITORY / "scripts/workflow/Snakefile"
+WORKFLOW = REPOSITORY / "scripts/workflow"
+PR_SET_CHILD_SUBREAPER = 36
 
 
 def free_port():
@@ -26,12 +29,57 @@ def free_port():
         return any_port.getsockname()[1]
 
 
-class Slurm:
-    """munged, slurmctld and slurmd of this test alone, in a folder of their own."""
+def wait_for(what, condition, seconds=120):
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            raise TimeoutError(f"expected {what} within {seconds} s, found it not so")
+        time.sleep(0.3)
 
-    def __init__(self, folder):
+
+def descendants(*ancestors):
+    """The processes that these started, directly or not, as {pid: name of the program}."""
+    processes = {}
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            name, _, fields = stat.read_text().partition("(")[2].rpartition(")")
+        except OSError:  # ended meanwhile
+            continue
+        processes[int(stat.parent.name)] = (name, int(fields.split()[1]))
+    found, generation = {}, set(ancestors)
+    while generation:
+        generation = {pid for pid, (_, parent) in processes.items() if parent in generation}
+        found.update((pid, processes[pid][0]) for pid in generation)
+    return found
+
+
+def kill_all(pids, sign=signal.SIGKILL):
+    for pid in pids:
+        try:
+            os.kill(pid, sign)
+        except ProcessLookupError:
+            pass
+
+
+def end_descendants(started):
+    for sign in (signal.SIGTERM, signal.SIGKILL):
+        end = time.monotonic() + 5
+        kill_all(descendants(os.getpid()), sign)
+        while descendants(os.getpid()) and time.monotonic() < end:
+            for child in started:
+                child.poll()
+            for pid in descendants(os.getpid()).keys() - {child.pid for child in started}:
+                with contextlib.suppress(ChildProcessError):  # it is a child's child
+                    os.waitpid(pid, os.WNOHANG)
+            time.sleep(0.1)
+
+
+class Slurm:
+    """munged, slurmctld and slurmd of this test alone, in a folder of their own, with a node of two cores."""
+
+    def __init__(self, folder, started):
         self.folder = folder
-        self.children = []
+        self.started = started
         name = socket.gethostname().split(".")[0]
         self.conf = folder / "slurm.conf"
         for sub in ("state", "spool", "munge"):
@@ -40,6 +88,7 @@ class Slurm:
         key.write_bytes(os.urandom(128))
         key.chmod(0o600)
         self.socket = folder / "munge/munge.socket"
+        # A requeued job waits as long as credentials live.
         self.conf.write_text(f"""ClusterName=cairn
 SlurmctldHost={name}(127.0.0.1)
 SlurmUser={getpass.getuser()}
@@ -47,16 +96,18 @@ SlurmdUser={getpass.getuser()}
 SlurmctldPort={free_port()}
 SlurmdPort={free_port()}
 AuthType=auth/munge
-AuthInfo=socket={self.socket}
+AuthInfo=socket={self.socket},cred_expire=10
 CredType=cred/munge
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_Core
+SchedulerParameters=sched_interval=2,bf_interval=2
+SlurmdParameters=config_overrides
 MpiDefault=none
 ReturnToService=2
-SlurmdTimeout=10
-MinJobAge=300
+SlurmdTimeout=15
+MinJobAge=600
 StateSaveLocation={folder}/state
 SlurmdSpoolDir={folder}/spool
 SlurmctldPidFile={folder}/slurmctld.pid
@@ -65,77 +116,102 @@ SlurmctldLogFile={folder}/slurmctld.log
 SlurmdLogFile={folder}/slurmd.log
 AccountingStorageType=accounting_storage/none
 JobAcctGatherType=jobacct_gather/none
-NodeName={name} NodeAddr=127.0.0.1 CPUs={os.cpu_count()} RealMemory=4096 State=UNKNOWN
+NodeName={name} NodeAddr=127.0.0.1 CPUs=2 RealMemory=4096 State=UNKNOWN
 PartitionName=main Nodes={name} Default=YES MaxTime=INFINITE State=UP
 """)
         self.environment = dict(os.environ, SLURM_CONF=str(self.conf), USER=getpass.getuser())
 
     def start(self, *command):
-        child = subprocess.Popen(command, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.children.append(child)
-        return child
+        self.started.append(subprocess.Popen(command, env=self.environment, stdout=subprocess.DEVNULL,
+                                             stderr=subprocess.DEVNULL))
+        return self.started[-1]
 
     def start_node(self):
-        return self.start("slurmd", "-D", "-f", str(self.conf))
+        self.node = self.start("slurmd", "-D", "-f", str(self.conf))
+
+    def kill_node(self, *steps):
+        kill_all([self.node.pid, *steps, *descendants(*steps)])
+        self.node.wait()
 
     def start_all(self):
         self.start("munged", "--foreground", "--force", f"--key-file={self.folder}/munge/munge.key",
                    f"--socket={self.socket}", f"--pid-file={self.folder}/munge/munged.pid",
                    f"--log-file={self.folder}/munge/munged.log", f"--seed-file={self.folder}/munge/munged.seed")
-        self.wait_for(self.socket.exists)
+        wait_for("munged's socket", self.socket.exists, 30)
         self.start("slurmctld", "-D", "-f", str(self.conf))
-        self.node = self.start_node()
-        self.wait_for(lambda: "idle" in self.run("sinfo", "-h", "-o", "%T").stdout)
+        self.start_node()
+        wait_for("an idle node", lambda: "idle" in self.run("sinfo", "-h", "-o", "%T"), 60)
 
     def run(self, *command):
-        return subprocess.run(command, env=self.environment, capture_output=True, text=True)
+        return subprocess.run(command, env=self.environment, capture_output=True, text=True).stdout
 
-    @staticmethod
-    def wait_for(condition, seconds=90):
-        end = time.monotonic() + seconds
-        while not condition():
-            if time.monotonic() > end:
-                raise TimeoutError("Slurm did not start")
-            time.sleep(0.5)
+    def jobs(self, state):
+        return self.run("squeue", "-h", "-t", state, "-o", "%i").split()
 
-    def end(self):
-        for child in reversed(self.children):
-            if child.poll() is None:
-                child.terminate()
-                try:
-                    child.wait(10)
-                except subprocess.TimeoutExpired:
-                    child.kill()
-                    child.wait()
+    def restarts(self, job):
+        fields = dict(field.partition("=")[::2] for field in self.run("scontrol", "show", "job", job).split())
+        return int(fields.get("Restarts", 0))
 
 
-@unittest.skipUnless(shutil.which("snakemake"), "snakemake is not installed")
+@unittest.skipUnless(shutil.which("snakemake"), "SKIPPED: snakemake is not installed")
 class Workflow(unittest.TestCase):
+    SHARDS = 3
+
+    @classmethod
+    def setUpClass(cls):
+        # What outlives its parent becomes a child of the test, which can end it.
+        ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="cairn-workflow-"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.started = []
+        self.addCleanup(end_descendants, self.started)
         self.inputs = []
         for sample in sorted((REPOSITORY / "sample-dem").glob("*.tif")):
             self.inputs.append(self.folder / sample.name)
             shutil.copyfile(sample, self.inputs[-1])
         self.config = self.folder / "config.json"
         self.config.write_text(json.dumps({
-            "inputs": [*map(str, self.inputs), "--tile-size", "257"],
-            "pack": "out.cairn", "shards": 4, "threads": 1, "cairn": str(PROGRAMS / "cairn")}))
+            "inputs": [*map(str, self.inputs), "--tile-size", "257"], "pack": "out.cairn", "shards": self.SHARDS,
+            "threads": 1, "memory_mib": 512, "cairn": str(self.watched_cairn())}))
+
+    def watched_cairn(self):
+        """cairn, but shards are noted in `calls`, do not begin while `hold` is there, and die where `kill` names them."""
+        program = self.folder / "cairn"
+        program.write_text(f"""#!/bin/sh
+if [ "$1 $2" = "bake --plan" ]; then
+  echo "$5" >> {self.folder}/calls
+  while [ -e {self.folder}/hold ]; do sleep 0.2; done
+  if [ -e {self.folder}/kill.$5 ]; then rm {self.folder}/kill.$5; kill -9 $$; fi
+fi
+exec {PROGRAMS}/cairn "$@"
+""")
+        program.chmod(0o755)
+        return program
+
+    def calls(self):
+        path = self.folder / "calls"
+        return path.read_text().split() if path.exists() else []
 
     def snakemake(self, *arguments, environment=None):
-        command = ["snakemake", "-s", str(SNAKEFILE), "--configfile", str(self.config), *arguments]
-        child = subprocess.Popen(command, cwd=self.folder, env=environment, text=True, stdout=subprocess.PIPE,
-                                 stderr=subprocess.STDOUT)
-        self.addCleanup(child.stdout.close)
-        self.addCleanup(child.wait)
-        self.addCleanup(child.kill)
-        return child
+        command = ["snakemake", "-s", str(WORKFLOW / "Snakefile"), "--configfile", str(self.config), *arguments]
+        self.log = open(self.folder / "snakemake.log", "a+")
+        self.addCleanup(self.log.close)
+        self.started.append(subprocess.Popen(command, cwd=self.folder, env=environment, stdout=self.log,
+                                             stderr=subprocess.STDOUT))
+        return self.started[-1]
 
     def finish(self, child):
-        out, _ = child.communicate(timeout=600)
-        self.assertEqual(child.returncode, 0, out)
+        code = child.wait(timeout=400)
+        self.log.seek(0)
+        out = self.log.read()
+        self.log.truncate(0)
+        self.assertEqual(code, 0, out)
         return out
+
+    def here(self):
+        return self.finish(self.snakemake("--cores", "2"))
 
     def check_pack(self):
         whole = self.folder / "whole.cairn"
@@ -143,44 +219,68 @@ class Workflow(unittest.TestCase):
                        check=True, capture_output=True)
         self.assertEqual((self.folder / "out.cairn").read_bytes(), whole.read_bytes())
         report = json.loads((self.folder / "work/report.json").read_text())
-        self.assertEqual(report["shards"], 4)
+        self.assertEqual(report["shards"], self.SHARDS)
         self.assertEqual(report["pack_bytes"], whole.stat().st_size)
 
+    def part_times(self):
+        return {part: part.stat().st_mtime_ns for part in (self.folder / "work").glob("*.part")}
+
     def test_on_this_machine(self):
-        self.finish(self.snakemake("--cores", "2"))
+        (self.folder / "kill.1").touch()
+        self.assertIn("Trying to restart job", self.here())
+        self.assertEqual(sorted(self.calls()), ["0", "1", "1", "2"])
         self.check_pack()
-        again = self.finish(self.snakemake("--cores", "2"))
-        self.assertIn("Nothing to be done", again)
+        self.assertIn("Nothing to be done", self.here())
         # An input that was only touched: the plan says what it said, so no shard is made again.
-        times = {part: part.stat().st_mtime_ns for part in (self.folder / "work").glob("*.part")}
+        times = self.part_times()
         self.inputs[0].touch()
-        self.finish(self.snakemake("--cores", "2"))
-        self.assertEqual(times, {part: part.stat().st_mtime_ns for part in times})
+        self.here()
+        self.assertEqual(times, self.part_times())
         # One of other bytes: all is made again.
         with open(self.inputs[0], "ab") as changed:
             changed.write(b"more")
-        self.finish(self.snakemake("--cores", "2"))
+        self.here()
         self.check_pack()
 
-    @unittest.skipUnless(shutil.which("slurmctld") and shutil.which("munged"), "slurm-wlm is not installed")
     def test_under_slurm(self):
-        slurm = Slurm(self.folder)
-        self.addCleanup(slurm.end)
+        if not (shutil.which("slurmctld") and shutil.which("slurmd") and shutil.which("munged")):
+            self.skipTest("SKIPPED: slurm-wlm and munge are not installed")
+        slurm = Slurm(self.folder, self.started)
         try:
             slurm.start_all()
-        except TimeoutError:
-            self.skipTest("Slurm does not start on this machine")
-        run = ("--slurm", "--jobs", "8", "--latency-wait", "30", "--default-resources", "slurm_partition=main")
-        child = self.snakemake(*run, environment=slurm.environment)
-        # The node is full, since 4 shards wait for it at once; then its daemon dies and comes back, and a job that
-        # runs is sent back to the queue.
-        slurm.wait_for((self.folder / "work/plan.json").exists, 300)
-        slurm.node.send_signal(signal.SIGKILL)
-        slurm.node.wait()
-        slurm.node = slurm.start_node()
-        for job in slurm.run("squeue", "-h", "-t", "R", "-o", "%i").stdout.split():
-            slurm.run("scontrol", "requeue", job)
+        except TimeoutError as error:
+            print("SKIPPED: Slurm does not start on this machine:", error, file=sys.stderr)
+            self.skipTest(f"SKIPPED: {error}")
+        (self.folder / "hold").touch()
+        child = self.snakemake("--profile", str(WORKFLOW / "slurm"), "--jobs", "8", environment=slurm.environment)
+
+        def wait(what, condition):
+            wait_for(what, lambda: child.poll() is not None or condition())
+            self.assertIsNone(child.poll(), f"{what}: the workflow ended")
+
+        # The node is full: one shard waits for a core.
+        wait("two shards that run", lambda: len(self.calls()) == 2)
+        wait("a shard that waits", lambda: len(slurm.jobs("PD")) == 1)
+        self.assertIn("alloc", slurm.run("sinfo", "-h", "-o", "%T"))
+        # One that runs is sent back to the queue: the third takes its place.
+        requeued, staying = slurm.jobs("R")
+        slurm.run("scontrol", "requeue", requeued)
+        wait("the third shard", lambda: len(set(self.calls())) == 3)
+        # The node's daemon is killed and comes back: the shards go on.
+        slurm.kill_node()
+        slurm.start_node()
+        wait("the node", lambda: "alloc" in slurm.run("sinfo", "-h", "-o", "%T"))
+        self.assertEqual(slurm.restarts(staying), 0)
+        # The node dies with all that runs on it: its shards are queued again.
+        steps = [pid for pid, name in descendants(os.getpid()).items() if name == "slurmstepd"]
+        self.assertGreaterEqual(len(steps), 2)
+        slurm.kill_node(*steps)
+        wait("the shards to be queued again", lambda: slurm.restarts(staying) == 1)
+        slurm.start_node()
+        (self.folder / "hold").unlink()
         self.finish(child)
+        self.assertEqual(slurm.restarts(requeued), 1)
+        self.assertGreaterEqual(len(self.calls()), 5)
         self.check_pack()
 
 
