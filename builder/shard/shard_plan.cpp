@@ -93,7 +93,7 @@ void drop_folders(SortedJson& json) {
     for (auto& member : json) drop_folders(member);
 }
 
-std::uint64_t hash_of(const SortedJson& json) {
+std::uint64_t text_hash_of(const SortedJson& json) {
   const std::string text = json.dump();
   return checksum(std::as_bytes(std::span(text)));
 }
@@ -101,7 +101,7 @@ std::uint64_t hash_of(const SortedJson& json) {
 std::uint64_t id_of(SortedJson json) {
   json.erase("id");
   drop_folders(json);
-  return hash_of(json);
+  return text_hash_of(json);
 }
 
 // Where the sources lie, and what is chosen by all of them together, decides every part; the bytes of those
@@ -124,7 +124,7 @@ std::uint64_t key_of(const ShardPlan& plan, const Shard& shard, std::uint64_t co
     json["voids"].push_back(file < plan.has_voids.size() ? plan.has_voids[file] : 0);
   }
   drop_folders(json);
-  return hash_of(json);
+  return text_hash_of(json);
 }
 
 ShardPlan plan_from(const SortedJson& json) {
@@ -179,7 +179,7 @@ std::string hex_of(std::uint64_t number) {
 Status write_shard_plan(ShardPlan& plan, const fs::path& target) {
   const fs::path part = fs::path(target).concat(".part");
   try {
-    const std::uint64_t common = hash_of(common_of(json_of(plan)));
+    const std::uint64_t common = text_hash_of(common_of(json_of(plan)));
     for (Shard& shard : plan.shards) shard.key = key_of(plan, shard, common);
     SortedJson json = json_of(plan);
     plan.id = id_of(json);

@@ -190,25 +190,45 @@ Status merge(const fs::path& folder, const Planet& planet) {
   return {};
 }
 
-// Looks tiles up at random places of one layer, and compares their blocks with their addresses.
-Status find_tiles(const PackReader& pack, Layer layer, int finest, double fraction) {
-  std::mt19937 random(2);
-  const auto columns = static_cast<unsigned>(fraction * tiles_around(finest));
-  const auto rows = static_cast<unsigned>(tiles_pole_to_pole(finest));
-  for (int i = 0; i < kFinds; ++i) {
-    const TileId id{finest, static_cast<std::int32_t>(random() % std::max(1U, columns)),
-                    static_cast<std::int32_t>(random() % rows)};
-    const auto entry = pack.find(layer, id);
-    if (!entry) return bad_data(to_string(id) + ": expected the tile, found none");
-    const auto block = pack.read_block(*entry);
-    if (!block) return block.error();
-    if (block->size() != sizeof id || std::memcmp(block->data(), &id, sizeof id) != 0)
-      return bad_data(to_string(id) + ": expected its own block, found another");
+// Reads a tile's block and compares it with its address.
+Status check_tile(const PackReader& pack, Layer layer, const TileId& id) {
+  const auto entry = pack.find(layer, id);
+  if (!entry) return bad_data(to_string(id) + ": expected the tile, found none");
+  const auto block = pack.read_block(*entry);
+  if (!block) return block.error();
+  if (block->size() == sizeof id && std::memcmp(block->data(), &id, sizeof id) == 0) return {};
+  return bad_data(to_string(id) + ": expected its own block, found another");
+}
+
+// The tiles along the western end of the equator and all above them: what a program reads that flies there.
+Status fly_over(const PackReader& pack, Layer layer, int finest, std::int32_t columns) {
+  constexpr std::int32_t kSteps = 400, kReach = 4;
+  const std::int32_t middle = tiles_pole_to_pole(finest) / 2;
+  for (std::int32_t x = 0; x < std::min(kSteps, columns); ++x) {
+    for (std::int32_t y = middle - kReach; y <= middle + kReach; ++y) {
+      for (TileId id{finest, x, y};; id = parent_of(id)) {
+        if (auto status = check_tile(pack, layer, id); !status) return status;
+        if (id.level == kMinLevel) break;
+      }
+    }
   }
   return {};
 }
 
-Status read(const fs::path& folder, const Planet& planet) {
+// Tiles at random places, so that every page of the index is needed.
+Status find_anywhere(const PackReader& pack, Layer layer, int finest, std::int32_t columns) {
+  std::mt19937 random(2);
+  const auto rows = static_cast<unsigned>(tiles_pole_to_pole(finest));
+  for (int i = 0; i < kFinds; ++i) {
+    const TileId id{finest, static_cast<std::int32_t>(random() % static_cast<unsigned>(columns)),
+                    static_cast<std::int32_t>(random() % rows)};
+    if (auto status = check_tile(pack, layer, id); !status) return status;
+  }
+  return {};
+}
+
+template <class Visit>
+Status read(const fs::path& folder, const Planet& planet, const Visit& visit) {
   const auto pack = PackReader::open(folder / "planet.cairn");
   if (!pack) return pack.error();
   std::uint64_t heights = 0;
@@ -217,9 +237,12 @@ Status read(const fs::path& folder, const Planet& planet) {
   std::printf("entries %zu heights %llu bytes %llu ", pack->entry_count(),
               static_cast<unsigned long long>(heights),
               static_cast<unsigned long long>(pack->header().file_bytes()));
-  if (auto status = find_tiles(*pack, Layer::heights, kFinestHeights, planet.fraction); !status)
-    return status;
-  return find_tiles(*pack, Layer::imagery, kFinestImagery, kTextured * planet.fraction);
+  const auto columns = [](int finest, double fraction) {
+    return std::max(1, static_cast<std::int32_t>(fraction * tiles_around(finest)));
+  };
+  const std::int32_t of_heights = columns(kFinestHeights, planet.fraction);
+  if (auto status = visit(*pack, Layer::heights, kFinestHeights, of_heights); !status) return status;
+  return visit(*pack, Layer::imagery, kFinestImagery, columns(kFinestImagery, kTextured * planet.fraction));
 }
 
 int run(const std::string& verb, const fs::path& folder, double fraction, std::size_t number) {
@@ -228,8 +251,10 @@ int run(const std::string& verb, const fs::path& folder, double fraction, std::s
   const Status status = verb == "plan"    ? plan(folder, planet, number)
                         : verb == "shard" ? shard(folder, planet, number)
                         : verb == "merge" ? merge(folder, planet)
-                        : verb == "read"  ? read(folder, planet)
-                                          : usage_error("expected plan, shard, merge or read, found " + verb);
+                        : verb == "fly"   ? read(folder, planet, fly_over)
+                        : verb == "find"
+                            ? read(folder, planet, find_anywhere)
+                            : usage_error("expected plan, shard, merge, fly or find, found " + verb);
   if (!status) {
     std::fprintf(stderr, "%s\n", status.error().message.c_str());
     return 1;
@@ -250,7 +275,8 @@ int run(const std::string& verb, const fs::path& folder, double fraction, std::s
 
 int main(int argc, char** argv) {
   if (argc != 5) {
-    std::fprintf(stderr, "usage: cairn-planet-bench plan|shard|merge|read FOLDER FRACTION SHARDS|NUMBER\n");
+    std::fprintf(stderr,
+                 "usage: cairn-planet-bench plan|shard|merge|fly|find FOLDER FRACTION SHARDS|NUMBER\n");
     return 2;
   }
   return cairn::run(argv[1], argv[2], std::atof(argv[3]), static_cast<std::size_t>(std::atoi(argv[4])));

@@ -4,11 +4,13 @@
 usage: tests/cli/workflow_test.py REPOSITORY PROGRAMS [TEST...]"""
 
 import contextlib
+import copy
 import ctypes
 import getpass
 import json
 import os
 import pathlib
+import re
 import shutil
 import signal
 import socket
@@ -282,6 +284,92 @@ exec {PROGRAMS}/cairn "$@"
         self.assertEqual(slurm.restarts(requeued), 1)
         self.assertGreaterEqual(len(self.calls()), 5)
         self.check_pack()
+
+
+class Manifests(unittest.TestCase):
+    """The manifests for Kubernetes, held against what its API requires of their kinds."""
+
+    # https://kubernetes.io/docs/reference/kubernetes-api/: of each kind, the version and what has to be there.
+    KINDS = {"Namespace": ("v1", []), "ResourceQuota": ("v1", [("spec", "hard")]), "LimitRange": ("v1", [("spec", "limits")])}
+    QUANTITY = re.compile(r"[0-9]+(\.[0-9]+)?(m|k|Ki|M|Mi|G|Gi|T|Ti)?")
+    NAME = re.compile(r"[a-z0-9]([-a-z0-9]{0,61}[a-z0-9])?")
+    FACTORS = {"m": 1e-3, "k": 1e3, "Ki": 2**10, "M": 1e6, "Mi": 2**20, "G": 1e9, "Gi": 2**30, "T": 1e12, "Ti": 2**40}
+
+    def setUp(self):
+        try:
+            import yaml
+        except ImportError:
+            self.skipTest("SKIPPED: python3-yaml is not installed")
+        self.profile = yaml.safe_load((WORKFLOW / "kubernetes/config.yaml").read_text())
+        self.manifests = list(yaml.safe_load_all((WORKFLOW / "kubernetes/namespace.yaml").read_text()))
+
+    def amount(self, quantity):
+        number = re.match(r"[0-9.]+", str(quantity)).group()
+        return float(number) * self.FACTORS.get(str(quantity)[len(number):], 1)
+
+    def faults(self, manifests, profile):
+        found = []
+        for manifest in manifests:
+            kind, name = manifest.get("kind"), manifest.get("metadata", {}).get("name", "")
+            if kind not in self.KINDS:
+                found.append(f"{kind}: no kind that is known")
+                continue
+            version, required = self.KINDS[kind]
+            if manifest.get("apiVersion") != version:
+                found.append(f"{kind}: version {manifest.get('apiVersion')}")
+            if not self.NAME.fullmatch(name):
+                found.append(f"{kind}: name {name}")
+            if set(manifest) - {"apiVersion", "kind", "metadata", "spec"}:
+                found.append(f"{kind}: members {sorted(manifest)}")
+            namespace = name if kind == "Namespace" else manifest["metadata"].get("namespace")
+            if namespace != profile["kubernetes"]:
+                found.append(f"{kind}: namespace {namespace}, of the profile {profile['kubernetes']}")
+            for path in required:
+                value = manifest
+                for member in path:
+                    value = (value or {}).get(member)
+                if not value:
+                    found.append(f"{kind}: no {'.'.join(path)}")
+        hard = next((m["spec"]["hard"] for m in manifests if m.get("kind") == "ResourceQuota" and m.get("spec")), {})
+        limits = [limit for m in manifests if m.get("kind") == "LimitRange" and m.get("spec") for limit in m["spec"]["limits"]]
+        quantities = [*hard.values(), *(q for limit in limits for part in ("default", "defaultRequest") for q in limit[part].values())]
+        bad = [q for q in quantities if not self.QUANTITY.fullmatch(str(q))]
+        if bad:
+            return [*found, f"quantities {bad}"]
+        for limit in limits:
+            if limit["type"] not in ("Container", "Pod", "PersistentVolumeClaim"):
+                found.append(f"limit of a {limit['type']}")
+            for resource, request in limit["defaultRequest"].items():
+                if self.amount(request) > self.amount(limit["default"][resource]):
+                    found.append(f"{resource}: request above its limit")
+                quota = hard.get(f"requests.{resource}")
+                if quota is not None and self.amount(request) * profile["jobs"] > self.amount(quota):
+                    found.append(f"{resource}: {profile['jobs']} jobs do not fit the quota of {quota}")
+        if profile["jobs"] > self.amount(hard.get("pods", 0)):
+            found.append(f"pods: fewer than {profile['jobs']} jobs")
+        return found
+
+    def test_they_are_what_the_api_requires(self):
+        self.assertEqual(self.faults(self.manifests, self.profile), [])
+
+    def test_faults_are_found(self):
+        for fault in (lambda m: m[0].update(kind="Namespaces"), lambda m: m[0].update(apiVersion="v2"),
+                      lambda m: m[0]["metadata"].update(name="Cairn!"), lambda m: m[1]["metadata"].pop("namespace"),
+                      lambda m: m[1].pop("spec"), lambda m: m[1]["spec"]["hard"].update(pods="10"),
+                      lambda m: m[1]["spec"]["hard"].update({"requests.memory": "3Gi"}), lambda m: m[2].update(specs={}),
+                      lambda m: m[2]["spec"]["limits"][0]["defaultRequest"].update(cpu="two"),
+                      lambda m: m[2]["spec"]["limits"][0]["defaultRequest"].update(memory="9Gi")):
+            manifests = copy.deepcopy(self.manifests)
+            fault(manifests)
+            self.assertNotEqual(self.faults(manifests, self.profile), [])
+
+    @unittest.skipUnless(shutil.which("snakemake"), "SKIPPED: snakemake is not installed")
+    def test_snakemake_knows_every_option_of_the_profiles(self):
+        import yaml
+        known = subprocess.run(["snakemake", "--help"], capture_output=True, text=True, check=True).stdout
+        for profile in ("kubernetes", "slurm"):
+            for option in yaml.safe_load((WORKFLOW / profile / "config.yaml").read_text()):
+                self.assertRegex(known, rf"--{option}\b", profile)
 
 
 if __name__ == "__main__":
