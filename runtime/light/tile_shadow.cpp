@@ -20,6 +20,10 @@ constexpr double kLit_deg = 80;       // of the sun's height, above which no gro
 constexpr double kDark_deg = -8;      // below which all is: a mountain of 60 km would be needed
 constexpr double kWidestBlock_deg = 1;
 constexpr int kLeastBlock = 64;  // cells
+// Towards the place where the sun stands in the zenith, the light's direction turns: a block is no wider than
+// this share of the way there, unless it has so few cells.
+constexpr double kShareOfZenith = 0.25;
+constexpr int kLeastBlockAtZenith = 8;
 constexpr double kMostSlope = 8;
 
 /// A place in the plane of a line of light: metres towards the sun and up, at the middle of the block.
@@ -246,6 +250,15 @@ void BlockShadow::run(int west, int south, int side) {
   const SunPlane sun(to_sun_, place(west + side / 2.0, south + side / 2.0));
   const double height_deg = glm::degrees(sun.height_rad), reach_deg = side * cell_deg_;
   if (height_deg - reach_deg > kLit_deg) return fill(-127);
+  if (reach_deg > kShareOfZenith * (90 - height_deg)) {
+    if (side > kLeastBlockAtZenith) {
+      for (int quarter = 0; quarter < 4; ++quarter) {
+        run(west + (quarter & 1) * side / 2, south + (quarter >> 1) * side / 2, side / 2);
+      }
+      return;
+    }
+    if (height_deg > kLit_deg) return fill(-127);
+  }
   if (height_deg + reach_deg < kDark_deg) return fill(127);
   const glm::dvec2 towards = cells_per_metre(west + side / 2.0, south + side / 2.0);
   by_rows_ = std::abs(towards.y) >= std::abs(towards.x);

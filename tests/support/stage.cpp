@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "cairn/geodesy.h"
+
 namespace cairn::test {
 
 Stage::Stage(const std::filesystem::path& pack, int width, int height)
@@ -51,6 +53,12 @@ ViewState view_at(LonLat eye, double height_m, double heading_deg, double pitch_
   view.viewport_width_px = 160;
   view.viewport_height_px = 120;
   return view;
+}
+
+glm::dvec3 sun_at(LonLat place, double azimuth_deg, double height_deg) {
+  const LocalFrame frame = local_frame(place);
+  const double a = glm::radians(azimuth_deg), h = glm::radians(height_deg);
+  return (frame.north * std::cos(a) + frame.east * std::sin(a)) * std::cos(h) + frame.up * std::sin(h);
 }
 
 PicturePoint project(const ViewState& view, const glm::dvec3& point) {

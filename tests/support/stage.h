@@ -43,6 +43,9 @@ class Stage {
 /// A view of 45° through a picture of 160×120.
 ViewState view_at(LonLat eye, double height_m, double heading_deg, double pitch_deg);
 
+/// The direction at an azimuth and a height above the horizon of a place, degrees.
+glm::dvec3 sun_at(LonLat place, double azimuth_deg, double height_deg);
+
 /// Where a picture shows a geocentric point, in pixels: pixel (i, j) reaches from (i, j) to (i+1, j+1), rows
 /// down.
 struct PicturePoint {

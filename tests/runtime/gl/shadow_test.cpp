@@ -45,13 +45,6 @@ std::shared_ptr<const PackReader> reader_of(const std::filesystem::path& path) {
   return std::make_shared<const PackReader>(std::move(*reader));
 }
 
-/// The direction at a height above the horizon, degrees, and an azimuth.
-glm::dvec3 sun_at(LonLat place, double azimuth_deg, double height_deg) {
-  const LocalFrame frame = local_frame(place);
-  const double a = glm::radians(azimuth_deg), h = glm::radians(height_deg);
-  return (frame.north * std::cos(a) + frame.east * std::sin(a)) * std::cos(h) + frame.up * std::sin(h);
-}
-
 enum class Seen { all, none, part };
 
 /// How much of the sun's disc is seen from a place on the ground.
@@ -239,6 +232,40 @@ TEST_CASE("a tile's shadow is that of rays, at the antimeridian and near the pol
     WARN("tile " << i << ": " << lit << " lit, " << dark << " dark, " << wrong << " wrong");
     CHECK(lit + dark > 10);
     CHECK(wrong <= 1 + (lit + dark) / 100);
+  }
+}
+
+TEST_CASE("gentle ground of a wide tile is lit where the sun is high, also around its zenith") {
+  const TempDir dir;
+  write_ridge_pack(dir.path() / "a.cairn", 0, 0);
+  const auto pack = reader_of(dir.path() / "a.cairn");
+  ShadowGround ground(pack);
+  const TileId id = tile_at(ridge_places()[0], -6);
+  const auto entry = pack->find(Layer::heights, id);
+  REQUIRE(entry);
+  const Result<HeightTile> heights = pack->read_height_tile(*entry);
+  REQUIRE(heights.ok());
+  const GeoBounds b = tile_bounds(id);
+  Dice dice(9);
+  for (int suns = 0; suns < 12; ++suns) {
+    const LonLat zenith{dice.between(b.west, b.east), dice.between(b.south, std::min(b.north, 80.0))};
+    const glm::dvec3 to_sun = local_frame(zenith).up;
+    const std::vector<std::int8_t> texels = tile_shadow(ground, id, *heights, to_sun);
+    int high = 0, dark = 0;
+    for (int row = 0; row < heights->size; ++row) {
+      for (int column = 0; column < heights->size; ++column) {
+        const double cell = b.width() / (heights->size - 1);
+        const LonLat place{b.west + column * cell, b.south + row * cell};
+        // Slopes between these samples, 28 km apart, are less than 10 degrees.
+        if (place.lat > 80 || glm::dot(local_frame(place).up, to_sun) < std::cos(glm::radians(60.0)))
+          continue;
+        ++high;
+        dark += texels[static_cast<std::size_t>(row * heights->size + column)] >= 0;
+      }
+    }
+    CAPTURE(zenith.lon, zenith.lat, high);
+    CHECK(high > 1000);
+    CHECK(dark == 0);
   }
 }
 
