@@ -2,7 +2,10 @@
 
 #include <array>
 #include <charconv>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <span>
 #include <utility>
 
@@ -72,6 +75,46 @@ Result<glm::vec3> parse_colour(std::string_view text) {
     if (name == text) return colour;
   }
   return unexpected("colour", "black, red, green, blue, yellow, magenta, cyan or white", text);
+}
+
+std::string time_text(double utc_s) {
+  const auto seconds = static_cast<std::int64_t>(std::floor(utc_s));
+  const std::int64_t days = seconds >= 0 ? seconds / 86400 : (seconds - 86399) / 86400;
+  const int of_day = static_cast<int>(seconds - days * 86400);
+  const std::chrono::year_month_day date{std::chrono::sys_days(std::chrono::days(days))};
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%04d-%02u-%02uT%02d:%02d:%02dZ", static_cast<int>(date.year()),
+                static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()), of_day / 3600,
+                of_day / 60 % 60, of_day % 60);
+  return text.data();
+}
+
+Result<double> parse_time(std::string_view text) {
+  const auto is_written = [text] {
+    constexpr std::string_view kForm = "dddd-dd-ddTdd:dd:ddZ";
+    if (text.size() != 17 && text.size() != 20) return false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      const char form = i + 1 == text.size() ? 'Z' : kForm[i];
+      if (form == 'd' ? text[i] < '0' || text[i] > '9' : text[i] != form) return false;
+    }
+    return true;
+  };
+  constexpr const char* kExpected = "UTC as 2026-06-21T15:30Z, years 1950 to 2050";
+  if (!is_written()) return unexpected("time", kExpected, text);
+  const auto number = [text](std::size_t at, std::size_t digits) {
+    int value = 0;
+    for (const char c : text.substr(at, digits)) value = 10 * value + (c - '0');
+    return value;
+  };
+  const std::chrono::year_month_day date{std::chrono::year(number(0, 4)),
+                                         std::chrono::month(static_cast<unsigned>(number(5, 2))),
+                                         std::chrono::day(static_cast<unsigned>(number(8, 2)))};
+  const int hour = number(11, 2), minute = number(14, 2), second = text.size() == 20 ? number(17, 2) : 0;
+  if (!date.ok() || number(0, 4) < 1950 || number(0, 4) > 2050 || hour > 23 || minute > 59 || second > 59) {
+    return unexpected("time", kExpected, text);
+  }
+  const auto days = std::chrono::sys_days(date).time_since_epoch().count();
+  return 86400.0 * static_cast<double>(days) + 3600.0 * hour + 60.0 * minute + second;
 }
 
 }  // namespace cairn::viewer

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include <glm/vec3.hpp>
@@ -18,5 +19,10 @@ struct Size {
 Result<Size> parse_size(std::string_view text);
 /// One of the eight corners of the colour cube, by its name: "magenta".
 Result<glm::vec3> parse_colour(std::string_view text);
+
+/// Returns "2026-06-21T15:30:20Z".
+std::string time_text(double utc_s);
+/// Returns seconds since 1970 of "2026-06-21T15:30Z" or "2026-06-21T15:30:20Z", years 1950 to 2050.
+Result<double> parse_time(std::string_view text);
 
 }  // namespace cairn::viewer

@@ -54,9 +54,11 @@ HostState::HostState() {
     glGetIntegeri_v(GL_SAMPLER_BINDING, i, &units_[i].sampler);
   }
   glGetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &storage_binding_);
-  glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 0, &storage_.buffer);
-  glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, 0, &storage_.start);
-  glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, 0, &storage_.size);
+  for (GLuint i = 0; i < kStorages; ++i) {
+    glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, i, &storages_[i].buffer);
+    glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, i, &storages_[i].start);
+    glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, i, &storages_[i].size);
+  }
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_framebuffer_);
   glGetFloati_v(GL_VIEWPORT, 0, viewport_.data());
   glGetDoublei_v(GL_DEPTH_RANGE, 0, depth_range_.data());
@@ -106,12 +108,14 @@ HostState::~HostState() {
     }
     glBindSampler(i, static_cast<GLuint>(units_[i].sampler));
   }
-  const auto storage = static_cast<GLuint>(storage_.buffer);
-  if (storage != 0 && storage_.size > 0) {
-    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, storage, static_cast<GLintptr>(storage_.start),
-                      static_cast<GLsizeiptr>(storage_.size));
-  } else {
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, storage);
+  for (GLuint i = 0; i < kStorages; ++i) {
+    const auto storage = static_cast<GLuint>(storages_[i].buffer);
+    if (storage != 0 && storages_[i].size > 0) {
+      glBindBufferRange(GL_SHADER_STORAGE_BUFFER, i, storage, static_cast<GLintptr>(storages_[i].start),
+                        static_cast<GLsizeiptr>(storages_[i].size));
+    } else {
+      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, storage);
+    }
   }
   glBindBuffer(GL_SHADER_STORAGE_BUFFER, static_cast<GLuint>(storage_binding_));
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_framebuffer_));

@@ -38,12 +38,13 @@ class HostState {
     GLint64 size;
   };
   static constexpr GLuint kUnits = 6;
+  static constexpr GLuint kStorages = 2;
   static constexpr GLuint kTargets = 8;  ///< that every context has at least
 
   std::vector<Switch> switches_;
   std::vector<StoreValue> stores_;
   std::array<Unit, kUnits> units_{};
-  StorageBuffer storage_{};
+  std::array<StorageBuffer, kStorages> storages_{};
   GLint storage_binding_ = 0;
   GLint draw_framebuffer_ = 0;
   std::array<GLfloat, 4> viewport_{};

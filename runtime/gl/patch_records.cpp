@@ -1,10 +1,12 @@
 #include "runtime/gl/patch_records.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <unordered_map>
 
 #include "format/tile_edges.h"
+#include "runtime/view/screen_scale.h"
 
 namespace cairn::gl {
 namespace {
@@ -101,6 +103,25 @@ std::vector<PatchRecord> patch_records(std::span<const SurfaceDraw> draws,
     records.push_back(record);
   }
   return records;
+}
+
+std::vector<DrapedSegment> drape_on(std::span<const SurfaceDraw> draws,
+                                    std::span<const RenderTile* const> tiles, const ViewState& view,
+                                    DrapeIndex& index, std::vector<PatchRecord>& records) {
+  constexpr double kLeast_px = 0.25;
+  const double degree_px = pixels_per_radian(view) * view.ellipsoid.equator_degree_m();
+  std::vector<DrapedSegment> all;
+  for (std::size_t i = 0; i < draws.size(); ++i) {
+    const RenderTile& tile = *tiles[draws[i].tile];
+    if (!tile.visible) continue;
+    const double patch_px =
+        degree_px * tile_width_degrees(draws[i].area.level) / std::max(tile.distance_m, 1.0);
+    const auto segments = index.in(draws[i].area, kLeast_px / patch_px);
+    records[i].first_segment = static_cast<std::uint32_t>(all.size());
+    records[i].segment_count = static_cast<std::uint32_t>(segments.size());
+    all.insert(all.end(), segments.begin(), segments.end());
+  }
+  return all;
 }
 
 }  // namespace cairn::gl

@@ -10,7 +10,9 @@
 #include <glm/vec4.hpp>
 
 #include "cairn/surface_mesh.h"
+#include "cairn/view_state.h"
 #include "runtime/gl/resident_tiles.h"
+#include "runtime/surface/drape_index.h"
 
 namespace cairn::gl {
 
@@ -28,7 +30,9 @@ struct PatchRecord {
   std::int32_t imagery_layer = 0;
   float imagery_scale = 1;
   std::int32_t level = 0;
-  std::array<std::int32_t, 3> unused{};  // the next starts at a multiple of sixteen bytes
+  std::uint32_t first_segment = 0;  // of those that are draped on it
+  std::uint32_t segment_count = 0;
+  std::int32_t unused = 0;  // the next starts at a multiple of sixteen bytes
   /// Of the normal maps across the source's sides (south, north, west, east): where the source's south-west
   /// corner lies in it, 0…1, the source's share of its side, and its layer; a layer < 0 where there is none
   /// as coarse as the source or coarser.
@@ -38,5 +42,10 @@ struct PatchRecord {
 /// A record for each patch; `tiles` are those that their numbers are of.
 std::vector<PatchRecord> patch_records(std::span<const SurfaceDraw> draws,
                                        std::span<const RenderTile* const> tiles, ResidentTiles& resident);
+
+/// The pieces of lines that are draped on the patches; writes into the records which are whose.
+std::vector<DrapedSegment> drape_on(std::span<const SurfaceDraw> draws,
+                                    std::span<const RenderTile* const> tiles, const ViewState& view,
+                                    DrapeIndex& index, std::vector<PatchRecord>& records);
 
 }  // namespace cairn::gl

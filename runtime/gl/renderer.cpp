@@ -1,6 +1,9 @@
 #include "runtime/gl/renderer.h"
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <optional>
 #include <string>
 #include <unordered_set>
 #include <utility>
@@ -18,6 +21,7 @@
 #include "runtime/gl/resident_tiles.h"
 #include "runtime/gl/shader_program.h"
 #include "runtime/gl/view_transform.h"
+#include "runtime/surface/drape_index.h"
 
 namespace cairn::gl {
 namespace {
@@ -36,7 +40,11 @@ enum Location : GLint {
   kLowest = 10,
   kRadii = 11,
   kSea = 12,
-  kContours = 13
+  kContours = 13,
+  kExposure = 14,
+  kImagery = 15,
+  kTintCount = 16,
+  kTintStops = 17
 };
 constexpr double kFarthestDepth = 1e-30;  // of ground: none is so far that its own would be as small
 enum LookBits : GLuint {
@@ -60,6 +68,8 @@ struct Renderer::State {
   LooseBatch loose;
   ObjectBatch objects;
   Buffer records = make_buffer();
+  Buffer segments = make_buffer();
+  std::optional<DrapeIndex> drape;  // of the last picture that had one
   Program terrain;
   Program sky;
   Program object;
@@ -67,6 +77,9 @@ struct Renderer::State {
   GpuTimer timer;
 
   void set_uniforms(const Camera& camera, const GlLook& look);
+  void set_tint(const GlLook& look);
+  void fill_records(const SurfaceFrame& frame, const SurfaceMesh& mesh, const ViewState& view,
+                    const std::shared_ptr<const Drape>& drape);
   void draw_ground(const SurfaceMesh& mesh, const GlLook& look, bool calls);
   void draw_objects(const SurfaceObjects& shown, const Camera& camera, const GlLook& look, bool calls);
   void draw_sky(const Camera& camera, const GlTarget& target);
@@ -93,6 +106,7 @@ void Renderer::State::set_uniforms(const Camera& camera, const GlLook& look) {
   for (const GLuint each : {program, sky.name()}) {
     glProgramUniform1f(each, kSea, static_cast<float>(look.sea_m.value_or(0)));
   }
+  set_tint(look);
   const auto a = static_cast<float>(camera.view.ellipsoid.semi_major_m);
   const auto b = static_cast<float>(camera.view.ellipsoid.semi_minor_m);
   for (const GLuint each : {program, sky.name(), object.name()}) {
@@ -100,9 +114,38 @@ void Renderer::State::set_uniforms(const Camera& camera, const GlLook& look) {
     const glm::vec3 sun(look.to_sun);
     glProgramUniform1f(each, kEyeHeight, static_cast<float>(camera.view.height_m));
     glProgramUniform1ui(each, kLook, look_bits);
+    glProgramUniform1f(each, kExposure, static_cast<float>(std::exp2(look.exposure_ev)));
     glProgramUniform3f(each, kEyeFloat, eye_high.x, eye_high.y, eye_high.z);
     glProgramUniform3f(each, kSun, sun.x, sun.y, sun.z);
   }
+}
+
+void Renderer::State::set_tint(const GlLook& look) {
+  static const std::vector<TintStop> kBareRock = {{-9000, glm::vec3(0.20f)}, {9000, glm::vec3(0.42f)}};
+  const std::vector<TintStop>& stops = !look.tint.empty() ? look.tint
+                                       : look.is_earth    ? tints().front().stops
+                                                          : kBareRock;
+  assert(stops.size() <= kMostTintStops);
+  std::vector<glm::vec4> values;
+  for (const TintStop& stop : stops) values.emplace_back(stop.colour, static_cast<float>(stop.height_m));
+  glProgramUniform1i(terrain.name(), kTintCount, static_cast<GLint>(values.size()));
+  glProgramUniform4fv(terrain.name(), kTintStops, static_cast<GLsizei>(values.size()),
+                      glm::value_ptr(values.front()));
+  glProgramUniform1f(terrain.name(), kImagery, static_cast<float>(look.imagery));
+}
+
+void Renderer::State::fill_records(const SurfaceFrame& frame, const SurfaceMesh& mesh, const ViewState& view,
+                                   const std::shared_ptr<const Drape>& lines) {
+  std::vector<PatchRecord> patch_facts = patch_records(mesh.draws, frame.tiles, tiles);
+  std::vector<DrapedSegment> draped;
+  if (lines) {
+    if (!drape || &drape->drape() != lines.get()) drape.emplace(lines);
+    draped = drape_on(mesh.draws, frame.tiles, view, *drape, patch_facts);
+  } else {
+    drape.reset();
+  }
+  fill<PatchRecord>(records, patch_facts);
+  fill<DrapedSegment>(segments, draped);
 }
 
 void Renderer::State::draw_ground(const SurfaceMesh& mesh, const GlLook& look, bool calls) {
@@ -114,6 +157,7 @@ void Renderer::State::draw_ground(const SurfaceMesh& mesh, const GlLook& look, b
   glUseProgram(terrain.name());
   tiles.bind();
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, records.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, segments.name());
   patches.draw(mesh, calls);
   loose.draw(mesh.walls.vertices, mesh.walls.indices, calls);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
@@ -207,16 +251,15 @@ GlCounts Renderer::draw(const SurfaceFrame& frame, const SurfaceMesh& mesh, cons
   State& s = *state_;
   const HostState host;
   s.timer.begin();
-  const std::vector<PatchRecord> records = patch_records(mesh.draws, frame.tiles, s.tiles);
-  fill<PatchRecord>(s.records, records);
+  s.fill_records(frame, mesh, camera.view, look.drape);
   s.set_uniforms(camera, look);
   aim_at(target, look);
   s.draw_ground(mesh, look, calls);
   if (look.objects) s.draw_objects(frame.objects, camera, look, calls);
   if (look.sky && !look.depth_only && calls) s.draw_sky(camera, target);
   s.timer.end();
-  GlCounts counts{records.size(), mesh.triangles, 0, s.tiles.bytes() + s.patches.bytes() + s.objects.bytes(),
-                  s.timer.ms()};
+  GlCounts counts{mesh.draws.size(), mesh.triangles, 0,
+                  s.tiles.bytes() + s.patches.bytes() + s.objects.bytes(), s.timer.ms()};
   if (look.objects) {
     counts.objects = frame.objects.objects;
     counts.billboards = frame.objects.billboards;

@@ -24,8 +24,8 @@ void report(Scene& scene, std::ostream& messages) {
 }
 
 Status take_screenshot(const Options& options, Scene& scene, FrameLook look, const ViewState& view,
-                       const gl::FrameTarget& target, std::ostream& messages) {
-  look.to_sun = sun_direction(view.eye, options.hour);
+                       const SunTime& sun, const gl::FrameTarget& target, std::ostream& messages) {
+  look.to_sun = sun_direction(view.eye, sun);
   look.waits_for_shadows = true;
   scene.load_all(view);
   scene.draw(view, 0, look, target.framebuffer());
@@ -41,8 +41,9 @@ std::filesystem::path frame_path(const Options& options, std::size_t frame) {
 
 class FlightRun {
  public:
-  FlightRun(const Options& options, const Flight& flight, Scene& scene, const gl::FrameTarget& target)
-      : options_(options), flight_(flight), scene_(scene), target_(target) {}
+  FlightRun(const Options& options, const Flight& flight, const SunTime& sun, Scene& scene,
+            const gl::FrameTarget& target)
+      : options_(options), flight_(flight), sun_(sun), scene_(scene), target_(target) {}
 
   Status run(FrameLook look, ViewState view, std::ostream& messages) {
     const Status opened = open_outputs();
@@ -54,7 +55,7 @@ class FlightRun {
     began_ = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < flight_.frame_count(); ++i) {
       view = at(view, i);
-      look.to_sun = sun_direction(view.eye, options_.hour);
+      look.to_sun = sun_direction(view.eye, sun_);
       look.frame_s = 1 / flight_.frames_per_second;
       const Status done = frame(i, view, look);
       if (!done) return done;
@@ -125,6 +126,7 @@ class FlightRun {
 
   const Options& options_;
   const Flight& flight_;
+  const SunTime& sun_;
   Scene& scene_;
   const gl::FrameTarget& target_;
   std::ofstream stats_;
@@ -160,8 +162,6 @@ Status run_headless(const Options& options, std::ostream& messages) {
   if (const Status status = check_outputs(options); !status) return status;
   const Result<Size> size = parse_size(options.size);
   if (!size) return size.error();
-  const Result<FrameLook> look = look_of(options);
-  if (!look) return look.error();
   std::optional<Flight> flight;
   if (!options.flight.empty()) {
     Result<Flight> read = read_flight(options.flight);
@@ -174,13 +174,17 @@ Status run_headless(const Options& options, std::ostream& messages) {
   if (!scene) return scene.error();
   const Result<ViewState> view = view_of(options, scene->pack(), *size);
   if (!view) return view.error();
+  const Result<FrameLook> look = look_of(options, scene->pack());
+  if (!look) return look.error();
+  const Result<SunTime> sun = sun_time_of(options, scene->pack());
+  if (!sun) return sun.error();
   const Result<gl::FrameTarget> target = gl::FrameTarget::create(size->width, size->height, options.samples);
   if (!target) return target.error();
   if (!options.screenshot.empty()) {
-    const Status taken = take_screenshot(options, *scene, *look, *view, *target, messages);
+    const Status taken = take_screenshot(options, *scene, *look, *view, *sun, *target, messages);
     if (!taken || !flight) return taken;
   }
-  return FlightRun(options, *flight, *scene, *target).run(*look, *view, messages);
+  return FlightRun(options, *flight, *sun, *scene, *target).run(*look, *view, messages);
 }
 
 }  // namespace cairn::viewer

@@ -4,12 +4,23 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cairn/tint.h"
 #include "runtime/viewer/headless.h"
 #include "runtime/viewer/options.h"
 #include "runtime/viewer/panel.h"
 #include "runtime/viewer/window.h"
 
 namespace {
+
+std::string tint_help() {
+  std::string help = "colours of heights:";
+  const char* between = " ";
+  for (const cairn::NamedTint& tint : cairn::tints()) {
+    help += between + std::string(tint.name) + " (" + std::string(tint.description) + ")";
+    between = "; ";
+  }
+  return help;
+}
 
 void declare(CLI::App& app, cairn::viewer::Options& o) {
   app.add_option("pack", o.pack, "the pack to fly over")->required();
@@ -33,9 +44,12 @@ void declare(CLI::App& app, cairn::viewer::Options& o) {
          "do all of a frame's work but the draw calls, so that --stats measures the work on the CPU only")
       ->needs(flight);
   app.add_option("--hole-colour", o.hole_colour, "draw this colour where no terrain is, instead of the sky");
-  app.add_option("--hour", o.hour, "local solar time, 0 to 24")
-      ->check(CLI::Range(0.0, 24.0))
-      ->capture_default_str();
+  auto* hour = app.add_option("--hour", o.hour, "local solar time of the day on which the sun stands highest")
+                   ->check(CLI::Range(0.0, 24.0))
+                   ->capture_default_str();
+  app.add_option("--time", o.time,
+                 "where the sun stands: a time UTC as 2026-06-21T15:30Z, instead of --hour; the Earth only")
+      ->excludes(hour);
   app.add_option("--tolerance", o.tolerance_px,
                  "pixels that the ground may be off by, tiles and mesh together")
       ->check(CLI::Range(0.01, 1000.0))
@@ -55,6 +69,15 @@ void declare(CLI::App& app, cairn::viewer::Options& o) {
                  "draw ground at this height and below, metres in the pack's vertical datum, as sea");
   app.add_option("--contours", o.contours_m, "metres between contour lines")->check(CLI::PositiveNumber);
   app.add_flag("--slopes", o.slopes, "colours of slopes: a class for each 5 degrees from 25 on");
+  app.add_option("--tint", o.tint, tint_help());
+  app.add_option("--imagery", o.imagery, "the share of imagery over the tint; 0 hides it")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--exposure", o.exposure_ev, "steps; each makes the picture twice as bright")
+      ->check(CLI::Range(-10.0, 10.0))
+      ->capture_default_str();
+  app.add_option("--drape", o.drapes,
+                 "draw the lines and points of this GeoJSON or GPX file on the ground; may be given again");
   app.add_flag("--no-shadows", o.no_shadows, "ground casts no shadows");
   app.add_flag("--no-dither", o.no_dither,
                "no noise of one step of 8 bits, which keeps the sky free of bands");

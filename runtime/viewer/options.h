@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace cairn::viewer {
 
@@ -29,6 +30,11 @@ struct Options {
   std::optional<double> sea_m;
   double contours_m = 0;
   bool slopes = false;
+  std::string tint;  ///< of tints(); empty: the body's own
+  double imagery = 1;
+  double exposure_ev = 0;
+  std::string time;  ///< UTC; empty: the hour counts
+  std::vector<std::filesystem::path> drapes;
   bool no_shadows = false;
   bool no_dither = false;
   bool no_fog = false;

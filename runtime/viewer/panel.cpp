@@ -86,6 +86,41 @@ void draw_map(const RenderList& list, const ViewState& view) {
   ImGui::Dummy(ImVec2(kMapSide, kMapSide));
 }
 
+void draw_colours(PanelState& state, FrameLook& look) {
+  if (ImGui::BeginCombo("tint", state.tint.empty() ? "own" : state.tint.c_str())) {
+    if (ImGui::Selectable("own", state.tint.empty())) {
+      state.tint.clear();
+      look.tint.clear();
+    }
+    for (const NamedTint& tint : tints()) {
+      const std::string name(tint.name);
+      if (!ImGui::Selectable(name.c_str(), state.tint == name)) continue;
+      state.tint = name;
+      look.tint = stops_of(tint, state.heights.lowest_m, state.heights.highest_m);
+    }
+    ImGui::EndCombo();
+  }
+  float imagery = static_cast<float>(look.imagery), exposure = static_cast<float>(look.exposure_ev);
+  if (ImGui::SliderFloat("imagery", &imagery, 0, 1, "%.2f")) look.imagery = static_cast<double>(imagery);
+  if (ImGui::SliderFloat("exposure", &exposure, -4, 4, "%.1f")) {
+    look.exposure_ev = static_cast<double>(exposure);
+  }
+}
+
+void draw_sun(SunTime& sun) {
+  if (!sun.utc_s) {
+    float hour = static_cast<float>(sun.hour);
+    if (ImGui::SliderFloat("hour", &hour, 0, 24, "%.1f")) sun.hour = static_cast<double>(hour);
+    return;
+  }
+  ImGui::Text("%s", time_text(*sun.utc_s).c_str());
+  const double day = std::floor(*sun.utc_s / 86400);
+  float hour = static_cast<float>(*sun.utc_s / 3600 - day * 24);
+  if (ImGui::SliderFloat("hour UTC", &hour, 0, 24, "%.2f")) {
+    sun.utc_s = day * 86400 + std::min(static_cast<double>(hour), 23.999) * 3600;
+  }
+}
+
 bool draw_settings(PanelState& state, FrameLook& look) {
   ImGui::Checkbox("wireframe", &look.wireframe);
   ImGui::SameLine();
@@ -104,8 +139,9 @@ bool draw_settings(PanelState& state, FrameLook& look) {
   if (ImGui::SliderFloat("contours, m", &contours, 0, 500, "%.0f")) {
     look.contours_m = static_cast<double>(contours);
   }
-  float hour = static_cast<float>(state.hour), tolerance = static_cast<float>(look.tolerance_px);
-  if (ImGui::SliderFloat("hour", &hour, 0, 24, "%.1f")) state.hour = static_cast<double>(hour);
+  draw_colours(state, look);
+  draw_sun(state.sun);
+  float tolerance = static_cast<float>(look.tolerance_px);
   if (ImGui::SliderFloat("pixels of error", &tolerance, 0.1f, 20, "%.1f")) {
     look.tolerance_px = std::max(0.01, static_cast<double>(tolerance));
   }

@@ -17,7 +17,9 @@ struct PanelState {
   bool shows_help = false;
   bool shows_map = true;
   bool shows_objects = false;
-  double hour = 10;
+  SunTime sun;
+  std::string tint;     ///< the name of the table; empty: the body's own
+  HeightRange heights;  ///< of the pack
   std::string message;  ///< the latest error or what was just saved
 
   FrameCounts counts;

@@ -14,6 +14,7 @@
 #include "runtime/light/sun_shadows.h"
 #include "runtime/surface/drawn_ground.h"
 #include "runtime/view/cpu_clock.h"
+#include "runtime/viewer/drape_file.h"
 #include "runtime/viewer/method_mesh.h"
 #include "runtime/viewer/method_scene.h"
 
@@ -41,6 +42,12 @@ Error unknown_method(const std::string& name) {
     names += (names.empty() ? "" : ", ") + std::string(method->name);
   }
   return usage_error("--method: expected one of " + names + ", found " + name);
+}
+
+Error unknown_tint(const std::string& name) {
+  std::string names;
+  for (const NamedTint& tint : tints()) names += (names.empty() ? "" : ", ") + std::string(tint.name);
+  return usage_error("--tint: expected one of " + names + ", found " + name);
 }
 
 }  // namespace
@@ -171,12 +178,25 @@ std::vector<Error> Scene::take_errors() {
   return errors;
 }
 
-Result<FrameLook> look_of(const Options& options) {
+Result<FrameLook> look_of(const Options& options, const PackReader& pack) {
   FrameLook look;
   look.fog = !options.no_fog;
   look.sea_m = options.sea_m;
   look.contours_m = options.contours_m;
   look.slope_colours = options.slopes;
+  look.imagery = options.imagery;
+  look.exposure_ev = options.exposure_ev;
+  if (!options.tint.empty()) {
+    const NamedTint* tint = tint_named(options.tint);
+    if (!tint) return unknown_tint(options.tint);
+    const HeightRange range = height_range(pack);
+    look.tint = stops_of(*tint, range.lowest_m, range.highest_m);
+  }
+  if (!options.drapes.empty()) {
+    Result<Drape> drape = read_drapes(options.drapes);
+    if (!drape) return drape.error();
+    look.drape = std::make_shared<const Drape>(std::move(*drape));
+  }
   look.shadows = !options.no_shadows;
   look.dithers = !options.no_dither;
   look.wireframe = options.wireframe;

@@ -100,6 +100,21 @@ class Scene {
 /// day on which it passes the zenith.
 glm::dvec3 sun_direction(LonLat place, double hour);
 
+/// Where the sun stands.
+struct SunTime {
+  double hour = 10;             ///< as sun_direction() takes it
+  std::optional<double> utc_s;  ///< since 1970, UTC: counts instead of the hour
+};
+glm::dvec3 sun_direction(LonLat place, const SunTime& time);
+Result<SunTime> sun_time_of(const Options& options, const PackReader& pack);
+
+/// The lowest and the highest ground of a pack, metres; 0 and 0 where it has none.
+struct HeightRange {
+  double lowest_m = 0;
+  double highest_m = 0;
+};
+HeightRange height_range(const PackReader& pack);
+
 /// The view that the pack's bounds fill.
 ViewState start_view(const PackReader& pack, double fov_deg, Size size);
 
@@ -107,6 +122,6 @@ ViewState start_view(const PackReader& pack, double fov_deg, Size size);
 Result<ViewState> view_of(const Options& options, const PackReader& pack, Size size);
 
 /// The frame's look that the options ask for, apart from the sun.
-Result<FrameLook> look_of(const Options& options);
+Result<FrameLook> look_of(const Options& options, const PackReader& pack);
 
 }  // namespace cairn::viewer

@@ -7,6 +7,7 @@
 
 #include "cairn/geodesy.h"
 #include "runtime/flight/camera_text.h"
+#include "runtime/light/sun_position.h"
 #include "runtime/viewer/scene.h"
 
 namespace cairn::viewer {
@@ -30,6 +31,37 @@ glm::dvec3 sun_direction(LonLat place, double hour) {
   const double lon = glm::radians(place.lon - (hour - 12) * 15);
   const double lat = glm::radians(std::clamp(place.lat, -kDeclination, kDeclination));
   return {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
+}
+
+glm::dvec3 sun_direction(LonLat place, const SunTime& time) {
+  return time.utc_s ? sun_position(*time.utc_s) : sun_direction(place, time.hour);
+}
+
+Result<SunTime> sun_time_of(const Options& options, const PackReader& pack) {
+  SunTime time{options.hour, std::nullopt};
+  if (options.time.empty()) return time;
+  if (!pack.header().body.is_earth()) {
+    return usage_error("--time: expected a pack of the Earth, found one of " + pack.header().body.name);
+  }
+  const Result<double> utc_s = parse_time(options.time);
+  if (!utc_s) return utc_s.error();
+  time.utc_s = *utc_s;
+  return time;
+}
+
+HeightRange height_range(const PackReader& pack) {
+  const auto levels = pack.levels(Layer::heights);
+  std::optional<HeightRange> range;
+  for (std::size_t i = 0; levels && i < pack.entry_count(); ++i) {
+    const IndexEntry entry = pack.entry(i);
+    if (entry.layer != Layer::heights || entry.id.level != levels->coarsest) break;
+    const double lowest_m = entry.min_quanta * pack.header().quantum_m,
+                 highest_m = entry.max_quanta * pack.header().quantum_m;
+    if (!range) range = HeightRange{lowest_m, highest_m};
+    range->lowest_m = std::min(range->lowest_m, lowest_m);
+    range->highest_m = std::max(range->highest_m, highest_m);
+  }
+  return range.value_or(HeightRange{});
 }
 
 ViewState start_view(const PackReader& pack, double fov_deg, Size size) {

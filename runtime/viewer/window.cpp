@@ -32,15 +32,17 @@ constexpr double kLongestFrame = 0.1;  // seconds that a stall may move the eye
 
 class Session {
  public:
-  Session(const Options& options, Scene scene, FrameLook look, ViewState view, Display& display,
-          std::ostream& messages)
+  Session(const Options& options, Scene scene, FrameLook look, ViewState view, const SunTime& sun,
+          Display& display, std::ostream& messages)
       : scene_(std::move(scene)),
         look_(look),
         view_(view),
         display_(display),
         messages_(messages),
         samples_(options.samples) {
-    panel_.hour = options.hour;
+    panel_.sun = sun;
+    panel_.tint = options.tint;
+    panel_.heights = height_range(scene_.pack());
     panel_.go_to = {view.eye.lon, view.eye.lat, view.height_m};
   }
 
@@ -84,7 +86,7 @@ class Session {
       if (!ImGui::GetIO().WantTextInput) handle_key(press);
     }
     view_ = controls_.update(view_, read_controls(dt_s), dt_s, ground_m());
-    look_.to_sun = sun_direction(view_.eye, panel_.hour);
+    look_.to_sun = sun_direction(view_.eye, panel_.sun);
     look_.frame_s = since_last_s;
     panel_.counts = scene_.draw(view_, dt_s, look_, target_->framebuffer());
     panel_.paging = scene_.terrain().stats();
@@ -113,7 +115,7 @@ class Session {
     }
     if (press.key == GLFW_KEY_ESCAPE) glfwSetWindowShouldClose(display_.window(), GLFW_TRUE);
     if (press.key == GLFW_KEY_F12) takes_screenshot_ = true;
-    if (press.key == GLFW_KEY_T) panel_.hour = std::fmod(panel_.hour + (press.with_shift ? 23 : 1), 24.0);
+    if (press.key == GLFW_KEY_T) move_sun(press.with_shift ? -1 : 1);
     if (press.key == GLFW_KEY_R) panel_.message = recorder_.toggle();
     if (press.key == GLFW_KEY_HOME) {
       view_ = start_view(scene_.pack(), view_.fov_y_deg, {view_.viewport_width_px, view_.viewport_height_px});
@@ -137,6 +139,14 @@ class Session {
                    scene_.pick(eye, direction));
     }
     draw_object_editor(panel_, editor);
+  }
+
+  void move_sun(double hours) {
+    if (panel_.sun.utc_s) {
+      *panel_.sun.utc_s += 3600 * hours;
+    } else {
+      panel_.sun.hour = std::fmod(panel_.sun.hour + 24 + hours, 24.0);
+    }
   }
 
   double ground_m() const { return scene_.list() ? scene_.ground_m(view_.eye) : 0; }
@@ -188,15 +198,17 @@ class Session {
 Status run_window(const Options& options, std::ostream& messages) {
   const Result<Size> size = parse_size(options.size);
   if (!size) return size.error();
-  const Result<FrameLook> look = look_of(options);
-  if (!look) return look.error();
   Result<std::unique_ptr<Display>> display = Display::open(*size);
   if (!display) return display.error();
   Result<Scene> scene = Scene::open(options);
   if (!scene) return scene.error();
+  const Result<FrameLook> look = look_of(options, scene->pack());
+  if (!look) return look.error();
+  const Result<SunTime> sun = sun_time_of(options, scene->pack());
+  if (!sun) return sun.error();
   const Result<ViewState> view = view_of(options, scene->pack(), *size);
   if (!view) return view.error();
-  return Session(options, std::move(*scene), *look, *view, **display, messages).run();
+  return Session(options, std::move(*scene), *look, *view, *sun, **display, messages).run();
 }
 
 }  // namespace cairn::viewer

@@ -18,7 +18,7 @@ layout(location = 5) flat in vec4 cell;
 
 layout(location = 0) out vec4 colour;
 
-#include "dither.glsl"
+#include "develop.glsl"
 #include "light.glsl"
 
 void main() {
@@ -30,5 +30,5 @@ void main() {
   vec3 normal = normalize(facing);
   if (views == 0u && !gl_FrontFacing) normal = -normal;
   vec3 lit = seen_colour(texel.rgb, normal, up, eye_height + dot(from_eye, up), from_eye, 1.0);
-  colour = vec4((look & 8u) != 0u ? dithered(lit) : lit, 1.0);
+  colour = developed(lit);
 }

@@ -11,7 +11,7 @@ layout(location = 10) uniform float lowest;  // metres: no ground of the pack is
 layout(location = 0) in vec3 ray;
 layout(location = 0) out vec4 colour;
 
-#include "dither.glsl"
+#include "develop.glsl"
 #include "light.glsl"
 #include "water.glsl"
 
@@ -49,5 +49,5 @@ void main() {
   vec3 seen = sea >= 0.0      ? water_colour(d, sea, vec3(0.0), -1.0, 1.0)
               : ground >= 0.0 ? bare_ground(d, ground)
                               : sky(d);
-  colour = vec4((look & 8u) != 0u ? dithered(seen) : seen, 1.0);
+  colour = developed(seen);
 }

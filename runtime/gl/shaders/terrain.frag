@@ -16,6 +16,15 @@ layout(location = 6) uniform uint look;  // bits: 1 level colours, 2 fog, 4 the 
 layout(location = 11) uniform vec3 radii;  // of the ellipsoid
 layout(location = 12) uniform float sea_level;    // metres
 layout(location = 13) uniform float contour_gap;  // metres between contour lines, 0: none
+layout(location = 15) uniform float imagery_share;
+layout(location = 16) uniform int tint_count;
+layout(location = 17) uniform vec4 tint_stops[16];  // linear RGB, and the height in metres
+
+struct Segment {
+  vec4 ends;              // in the patch: x, y, x, y
+  vec4 colour_and_width;  // linear RGB; pixels
+};
+layout(std430, binding = 1) readonly buffer Segments { Segment segments[]; };
 
 layout(location = 0) in vec2 patch_place;
 layout(location = 1) in vec3 from_eye;
@@ -25,23 +34,20 @@ layout(location = 4) flat in vec4 imagery_window;
 layout(location = 5) flat in ivec4 patch_facts;
 layout(location = 6) flat in vec2 extents;
 layout(location = 7) flat in vec4 across[4];  // south, north, west, east
+layout(location = 11) flat in uvec2 draped;  // the first segment, and how many
 
 layout(location = 0) out vec4 colour;
 
-#include "dither.glsl"
+#include "develop.glsl"
 #include "light.glsl"
 #include "water.glsl"
 
-// Hypsometric tint, linear RGB: water at 0 and below, as the sea is 0 in most sources, then lowland green to snow.
+// Hypsometric tint, linear RGB.
 vec3 tint(float h) {
-  if ((look & 4u) == 0u) return vec3(mix(0.20, 0.42, smoothstep(-9000.0, 9000.0, h)));
-  const int kSteps = 9;
-  const float at[kSteps] = float[](-8000.0, -200.0, 0.0, 1.0, 300.0, 900.0, 1800.0, 3000.0, 4500.0);
-  const vec3 of[kSteps] = vec3[](vec3(0.010, 0.025, 0.090), vec3(0.035, 0.110, 0.240), vec3(0.075, 0.190, 0.330),
-                                 vec3(0.105, 0.205, 0.075), vec3(0.200, 0.290, 0.105), vec3(0.400, 0.370, 0.180),
-                                 vec3(0.340, 0.230, 0.120), vec3(0.420, 0.360, 0.310), vec3(0.720, 0.735, 0.760));
-  vec3 c = of[0];
-  for (int i = 1; i < kSteps; ++i) c = mix(c, of[i], smoothstep(at[i - 1], at[i], h));
+  vec3 c = tint_stops[0].rgb;
+  for (int i = 1; i < tint_count; ++i) {
+    c = mix(c, tint_stops[i].rgb, smoothstep(tint_stops[i - 1].w, tint_stops[i].w, h));
+  }
   return c;
 }
 
@@ -121,9 +127,9 @@ vec4 imagery_texel(vec3 up) {
 vec3 surface_colour(vec3 up) {
   vec3 plain = has_heights() ? tint(tile_height()) : kNoData;
   if ((look & 1u) != 0u) return level_colour(patch_facts.w);
-  if (patch_facts.x == 0) return plain;
+  if (patch_facts.x == 0 || imagery_share == 0.0) return plain;
   vec4 texel = imagery_texel(up);
-  return mix(plain, texel.rgb, texel.a);
+  return mix(plain, texel.rgb, texel.a * imagery_share);
 }
 
 // The east and north parts of a normal map's normal; the window is where the place's map lies in it.
@@ -192,6 +198,23 @@ vec3 with_contours(vec3 ground, float above) {
   return mix(ground, vec3(0.10, 0.05, 0.02), line * room * (is_fifth ? 0.9 : 0.6));
 }
 
+// Lines and points that are draped on the ground. How far a pixel is from one is taken from how the place changes from pixel
+// to pixel, so that it follows the drawn ground exactly; where ground is upright, as walls are, there is no such change.
+vec3 with_lines(vec3 seen) {
+  mat2 place_from_pixel = mat2(dFdx(patch_place), dFdy(patch_place));
+  float area = determinant(place_from_pixel);
+  if (abs(area) < 1e-20) return seen;
+  mat2 pixel_from_place = inverse(place_from_pixel);
+  for (uint i = draped.x; i < draped.x + draped.y; ++i) {
+    vec2 from = pixel_from_place * (segments[i].ends.xy - patch_place);
+    vec2 along = pixel_from_place * (segments[i].ends.zw - patch_place) - from;
+    float share = clamp(-dot(from, along) / max(dot(along, along), 1e-12), 0.0, 1.0);
+    float beyond = length(from + share * along) - 0.5 * segments[i].colour_and_width.w;
+    seen = mix(seen, segments[i].colour_and_width.rgb, 1.0 - smoothstep(-0.5, 0.5, beyond));
+  }
+  return seen;
+}
+
 void main() {
   vec3 up = normalize((eye_geocentric + from_eye) / (radii * radii));
   // Ground without heights is flat. Its underside shows through voids only, from beyond the horizon.
@@ -215,5 +238,5 @@ void main() {
   } else {
     lit = seen_colour(ground, normal, up, above, from_eye, sun_seen);
   }
-  colour = vec4((look & 8u) != 0u ? dithered(lit) : lit, 1.0);
+  colour = developed(draped.y > 0u ? with_lines(lit) : lit);
 }

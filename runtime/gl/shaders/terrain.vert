@@ -12,6 +12,8 @@ struct Patch {
   int imagery_layer;
   float imagery_scale;
   int level;
+  uint first_segment;  // of those that are draped on it
+  uint segment_count;
   vec4 across[4];  // south, north, west, east: the source's window in the normal map across that side; layer, < 0: none
 };
 layout(std430, binding = 0) readonly buffer Patches { Patch patches[]; };
@@ -38,6 +40,7 @@ layout(location = 4) flat out vec4 imagery_window;
 layout(location = 5) flat out ivec4 patch_facts;  // imagery's array, heights' base and shift, level
 layout(location = 6) flat out vec2 extents;  // of the imagery inside the world, texels
 layout(location = 7) flat out vec4 across[4];
+layout(location = 11) flat out uvec2 draped;  // the first segment, and how many
 
 out gl_PerVertex {
   vec4 gl_Position;
@@ -66,5 +69,6 @@ void main() {
   heights_window = vec4(p.height_origin, p.height_scale, float(p.height_layer));
   imagery_window = vec4(p.imagery_origin, p.imagery_scale, float(p.imagery_layer));
   across = p.across;
+  draped = uvec2(p.first_segment, p.segment_count);
   patch_facts = ivec4(p.imagery_array_and_extent & 255u, p.height_base, p.height_shift, p.level);
 }

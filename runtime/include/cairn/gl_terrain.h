@@ -11,9 +11,11 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
+#include "cairn/drape.h"
 #include "cairn/pack_reader.h"
 #include "cairn/status.h"
 #include "cairn/terrain.h"
+#include "cairn/tint.h"
 #include "cairn/view_state.h"
 
 namespace cairn {
@@ -39,6 +41,11 @@ struct GlLook {
   double contours_m = 0;       ///< between lines of equal height, each fifth a strong one; 0: none
   bool slope_colours = false;  ///< from 25° on a colour for each 5°
   bool level_colours = false;  ///< a colour for each level of the tiles instead of imagery or tint
+  /// Colours of heights, ascending, kMostTintStops at most. Empty: tints()[0] of the Earth, else greys.
+  std::vector<TintStop> tint;
+  double imagery = 1;                  ///< the share of imagery, 0 to 1, over the tint
+  double exposure_ev = 0;              ///< each step doubles the light of the whole picture
+  std::shared_ptr<const Drape> drape;  ///< lines and points on the ground; never changed once it is here
 };
 
 /// Where a picture goes, without a clear: what nearer things have drawn there hides the ground.
