@@ -12,7 +12,8 @@ GridPositions::GridPositions(const LatticePoint& corner, std::int64_t spacing, i
                              const Ellipsoid& ellipsoid) {
   const double ratio = 1 / ellipsoid.graphic_per_centric();
   for (int i = 0; i < side; ++i) {
-    const LonLat place = place_of({corner.x + i * spacing, corner.y + i * spacing});
+    // A column on the antimeridian has one position, from whichever side it is worked out.
+    const LonLat place = place_of(canonical({corner.x + i * spacing, corner.y + i * spacing}));
     const double lon = glm::radians(place.lon), lat = glm::radians(place.lat);
     columns_.push_back({std::cos(lon), std::sin(lon)});
     const double sine = std::sin(lat);

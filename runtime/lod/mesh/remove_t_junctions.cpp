@@ -16,8 +16,8 @@ using Line = std::vector<LineVertex>;
 using Lines = std::unordered_map<std::int64_t, Line>;
 
 struct Area {
-  explicit Area(const TileId& id)
-      : low(south_west_of(id)), high{low.x + lattice_width(id.level), low.y + lattice_width(id.level)} {}
+  explicit Area(const TileId& id) : Area(MeshArea{south_west_of(id), lattice_width(id.level)}) {}
+  explicit Area(const MeshArea& square) : low(square.low), high{low.x + square.width, low.y + square.width} {}
   bool on_vertical(const LatticePoint& p) const { return p.x == low.x || p.x == high.x; }
   bool on_horizontal(const LatticePoint& p) const { return p.y == low.y || p.y == high.y; }
 
@@ -28,10 +28,10 @@ struct Area {
 /// All vertices on the areas' borders, by the line that they lie on.
 class BorderVertices {
  public:
-  BorderVertices(const LodScene& scene, const LodMesh& mesh) {
-    for (const LodTileMesh& tile : mesh.tiles) {
-      const Area area(scene.tiles[tile.tile].area);
-      for (const LodVertex& v : tile.vertices) {
+  BorderVertices(std::span<const Area> areas, std::span<const LodTileMesh> meshes) {
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+      const Area& area = areas[i];
+      for (const LodVertex& v : meshes[i].vertices) {
         if (area.on_vertical(v.point)) vertical_[canonical(v.point).x].push_back({v.point.y, v.height_m});
         if (area.on_horizontal(v.point)) horizontal_[v.point.y].push_back({v.point.x, v.height_m});
       }
@@ -122,8 +122,15 @@ struct BorderHeight {
   double height_m = 0;
 };
 
-/// Gives every vertex on a border the height of the finest source that has it, among equals the lowest.
+bool has_voids(const LodScene& scene) {
+  return std::any_of(scene.tiles.begin(), scene.tiles.end(),
+                     [](const LodTile& tile) { return !tile.heights->voids.empty(); });
+}
+
+}  // namespace
+
 void unify_border_heights(const LodScene& scene, LodMesh& mesh) {
+  if (!has_voids(scene)) return;
   std::unordered_map<LatticePoint, BorderHeight> heights;
   const auto for_border = [&](auto use) {
     for (LodTileMesh& tile : mesh.tiles) {
@@ -141,25 +148,32 @@ void unify_border_heights(const LodScene& scene, LodMesh& mesh) {
   for_border([&](std::size_t, LodVertex& v) { v.height_m = heights.at(canonical(v.point)).height_m; });
 }
 
-bool has_voids(const LodScene& scene) {
-  return std::any_of(scene.tiles.begin(), scene.tiles.end(),
-                     [](const LodTile& tile) { return !tile.heights->voids.empty(); });
-}
-
-}  // namespace
-
 void remove_t_junctions(const LodScene& scene, LodMesh& mesh) {
   remove_t_junctions(scene, std::vector<char>(scene.tiles.size(), 1), mesh);
 }
 
 void remove_t_junctions(const LodScene& scene, std::span<const char> lacking, LodMesh& mesh) {
-  if (has_voids(scene)) unify_border_heights(scene, mesh);
+  unify_border_heights(scene, mesh);
   const auto lacks = [&](const LodTileMesh& tile) { return lacking[tile.tile] != 0; };
   if (std::none_of(mesh.tiles.begin(), mesh.tiles.end(), lacks)) return;
-  const BorderVertices borders(scene, mesh);
-  for (LodTileMesh& tile : mesh.tiles) {
-    if (lacks(tile)) Splitter(Area(scene.tiles[tile.tile].area), borders, tile).split_all();
+  std::vector<Area> areas;
+  for (const LodTileMesh& tile : mesh.tiles) areas.emplace_back(scene.tiles[tile.tile].area);
+  const BorderVertices borders(areas, mesh.tiles);
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    if (lacks(mesh.tiles[i])) Splitter(areas[i], borders, mesh.tiles[i]).split_all();
   }
+}
+
+std::size_t split_at_borders(std::span<const MeshArea> squares, std::span<LodTileMesh> meshes) {
+  const std::vector<Area> areas(squares.begin(), squares.end());
+  const BorderVertices borders(areas, meshes);
+  std::size_t added = 0;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const std::size_t before = meshes[i].triangles.size();
+    Splitter(areas[i], borders, meshes[i]).split_all();
+    added += meshes[i].triangles.size() - before;
+  }
+  return added;
 }
 
 }  // namespace cairn

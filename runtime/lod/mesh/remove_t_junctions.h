@@ -22,4 +22,19 @@ void remove_t_junctions(const LodScene& scene, LodMesh& mesh);
 /// their neighbours. `lacking` has one entry for each tile of the scene.
 void remove_t_junctions(const LodScene& scene, std::span<const char> lacking, LodMesh& mesh);
 
+/// Gives every vertex on a tile's border the height of the finest source that has it, among equals the
+/// lowest. Does nothing in a scene without voids, where sources agree. remove_t_junctions() does so first.
+void unify_border_heights(const LodScene& scene, LodMesh& mesh);
+
+/// A square part of the world that has a mesh of its own.
+struct MeshArea {
+  LatticePoint low;        ///< the south-west corner
+  std::int64_t width = 0;  ///< in lattice units
+};
+
+/// Splits triangles as remove_t_junctions() does, for any squares, each with one mesh. Heights are not
+/// unified: vertices at one place must have one height. Returns the number of triangles that the splits
+/// added.
+std::size_t split_at_borders(std::span<const MeshArea> areas, std::span<LodTileMesh> meshes);
+
 }  // namespace cairn
