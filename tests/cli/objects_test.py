@@ -8,10 +8,13 @@ import json
 import math
 import pathlib
 import random
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+
+import numpy as np
 
 REPOSITORY, PROGRAMS = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
 DEM = REPOSITORY / "sample-dem/jacksboro_fault.tif"
@@ -268,6 +271,81 @@ class Objects(unittest.TestCase):
         both, _ = self.bake("both.cairn", [empty, side_car])
         self.assertEqual(self.rows(both), [row])
         self.refused_file(empty, "expected places of objects, found none")
+
+    def instances(self, folder):
+        """Of every GLB below: the model's name, its foot, its right, up and back geocentric, and its scale."""
+        found = []
+        for path in sorted((folder / "objects").rglob("*.glb")):
+            data = path.read_bytes()
+            size, = struct.unpack_from("<I", data, 12)
+            gltf, binary = json.loads(data[20:20 + size]), data[28 + size:]
+            self.assertEqual(gltf["extensionsRequired"], ["EXT_mesh_gpu_instancing"])
+
+            def array(number):
+                accessor = gltf["accessors"][number]
+                view = gltf["bufferViews"][accessor["bufferView"]]
+                columns = {"VEC3": 3, "VEC4": 4}[accessor["type"]]
+                return np.frombuffer(binary, "<f4", accessor["count"] * columns, view["byteOffset"]).reshape(-1, columns).astype(float)
+
+            for node in gltf["nodes"]:
+                mesh = gltf["meshes"][node["mesh"]]["primitives"][0]
+                buffer = gltf["buffers"][gltf["bufferViews"][gltf["accessors"][mesh["indices"]]["bufferView"]]["buffer"]]
+                self.assertEqual((path.parent / buffer["uri"]).stat().st_size, buffer["byteLength"])
+                self.assertTrue((path.parent / gltf["images"][0]["uri"]).read_bytes().startswith(b"\x89PNG"))
+                attributes = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]
+                for t, (x, y, z, w), scale in zip(*(array(attributes[k]) for k in ("TRANSLATION", "ROTATION", "SCALE"))):
+                    turn = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+                    z_up = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+                    found.append((node["name"], z_up @ (t + node["translation"]), (z_up @ turn).T, scale[0]))
+        return found
+
+    def test_an_export_as_3d_tiles_has_every_object_on_the_ground(self):
+        lon, lat = self.middle()
+        lines = "".join(f"{lon + 0.001 * i},{lat + 0.0005 * i},{m},{37 * i % 360},{0.6 + 0.1 * i},{h},{mode}\n"
+                        for i, (m, h, mode) in enumerate([("house", 0, "ground"), ("fir", 2.5, "ground"), ("oak", 900, "absolute"),
+                                                          ("bush", 0, "ground"), ("barn", 0, "ground")] * 3))
+        pack = self.dir / "tiles.cairn"
+        cairn("bake", DEM, "-o", pack, "--quantum", QUANTUM, "--datum", "ellipsoid", "--objects", self.places,
+              self.write("few.csv", "lon,lat,model,heading,scale,height,mode\n" + lines), "--models", self.models)
+        printed = cairn("export", pack, "-o", self.dir / "tiles", "--format", "3dtiles").stdout
+        rows = self.rows(pack)
+        found = self.instances(self.dir / "tiles")
+        self.assertIn(f"{len(rows)} objects of 5 models", printed)
+        self.assertEqual(len(found), len(rows))
+        table = self.write("feet.csv", "lon,lat\n" + "".join(f"{r['lon']},{r['lat']}\n" for r in rows))
+        ground = [float(r["height"]) for r in csv.DictReader(cairn("sample", pack, "--points", table).stdout.splitlines())]
+        by_name = {}
+        for name, foot, axes, scale in found:
+            by_name.setdefault(name, []).append((foot, axes, scale))
+        trees = {name: np.array([f for f, _, _ in those]) for name, those in by_name.items()}
+        a, f = 6378137.0, 1 / 298.257223563
+        for r, height in zip(rows, ground):
+            x, y = math.radians(float(r["lon"])), math.radians(float(r["lat"]))
+            up = np.array([math.cos(y) * math.cos(x), math.cos(y) * math.sin(x), math.sin(y)])
+            east = np.array([-math.sin(x), math.cos(x), 0])
+            north = np.cross(up, east)
+            n = a / math.sqrt(1 - f * (2 - f) * math.sin(y) ** 2)
+            high = height + float(r["height"])
+            expected = np.array([(n + high) * up[0], (n + high) * up[1], (n * (1 - f) ** 2 + high) * up[2]])
+            off = np.linalg.norm(trees[r["model"]] - expected, axis=1)
+            nearest = int(np.argmin(off))
+            # Feet are whole quanta, and what is printed of a place is 1e-10 degrees.
+            self.assertLess(off[nearest], QUANTUM / 2 + 0.01)
+            _, axes, scale = by_name[r["model"]][nearest]
+            turn = math.radians(float(r["heading"]))
+            ahead = math.sin(turn) * east + math.cos(turn) * north
+            self.assertLess(np.abs(axes - [np.cross(ahead, up), up, -ahead]).max(), 1e-4)
+            self.assertAlmostEqual(scale, float(r["scale"]), delta=1e-5)
+        # A region has those of its own, and a pack without any there the ground alone.
+        west, south, east, north = lon - 0.02, lat - 0.02, lon + 0.02, lat + 0.02
+        cairn("export", pack, "-o", self.dir / "part", "--format", "3dtiles", f"--region={west},{south},{east},{north}")
+        inside = [r for r in rows if west <= float(r["lon"]) <= east and south <= float(r["lat"]) <= north]
+        self.assertEqual(len(self.instances(self.dir / "part")), len(inside))
+        self.assertTrue(0 < len(inside) < len(rows))
+        cairn("export", self.dir / "ground.cairn", "-o", self.dir / "bare", "--format", "3dtiles", "--datum", "ellipsoid")
+        self.assertFalse((self.dir / "bare/objects").exists() or (self.dir / "bare/ground.json").exists())
 
     def test_bad_places_are_refused_by_one_line(self):
         lon, lat = self.middle()

@@ -2,7 +2,7 @@
 //
 // usage: node check_3d_tiles.mjs FOLDER
 //   Every tileset file parses, every content is there and once in the tree, no GLB has an error of gltf-validator, errors do
-//   not grow downwards, every region holds those below it and every vertex of the contents, and 3d-tiles-tools converts the
+//   not grow downwards, every region holds those below it and every vertex and every object of the contents, and 3d-tiles-tools converts the
 //   tileset to one archive.
 // Prints one JSON line with what was counted; exits 1 where something is wrong.
 import { execFileSync } from "node:child_process";
@@ -14,7 +14,7 @@ import validator from "gltf-validator";
 const folder = process.argv[2];
 const faults = [];
 const fault = (text) => { if (faults.length < 20) faults.push(text); };
-const counts = { tilesets: 0, contents: 0, gltf_errors: 0, gltf_warnings: 0, vertices: 0, outside: 0, deepest: 0 };
+const counts = { tilesets: 0, contents: 0, gltf_errors: 0, gltf_warnings: 0, vertices: 0, objects: 0, outside: 0, deepest: 0 };
 const seen = new Set();
 
 /// Longitude, latitude in radians and metres above WGS84 (Bowring 1976, iterated).
@@ -30,9 +30,28 @@ function geodetic(x, y, z) {
   return [Math.atan2(y, x), lat, high];
 }
 
+/// Instances have their feet in the chunk of the GLB; the vertices lie beside it, in files that tiles share.
+function checkInstances(file, bytes, length, gltf, region) {
+  for (const node of gltf.nodes) {
+    const { TRANSLATION, ROTATION, SCALE } = node.extensions.EXT_mesh_gpu_instancing.attributes;
+    const at = (number) => gltf.accessors[number];
+    if (at(TRANSLATION).count !== at(ROTATION).count || at(TRANSLATION).count !== at(SCALE).count) fault(`${file}: counts of attributes`);
+    const start = 20 + length + 8 + (gltf.bufferViews[at(TRANSLATION).bufferView].byteOffset ?? 0);
+    for (let i = 0; i < at(TRANSLATION).count; ++i) {
+      const [x, y, z] = node.translation.map((t, k) => t + bytes.readFloatLE(start + 12 * i + 4 * k));
+      const [lon, lat, high] = geodetic(x, -z, y);
+      ++counts.objects;
+      const inside = lon >= region[0] - 1e-7 && lon <= region[2] + 1e-7 && lat >= region[1] - 1e-7 && lat <= region[3] + 1e-7 &&
+        high >= region[4] - 0.5 && high <= region[5] + 0.5;
+      if (!inside && ++counts.outside < 5) fault(`${file}: an object at ${lon} ${lat} ${high} outside ${region}`);
+    }
+  }
+}
+
 function checkVertices(file, region) {
   const bytes = fs.readFileSync(file);
   const length = bytes.readUInt32LE(12), gltf = JSON.parse(bytes.subarray(20, 20 + length).toString());
+  if (gltf.extensionsUsed) return checkInstances(file, bytes, length, gltf, region);
   const accessor = gltf.accessors[gltf.meshes[0].primitives[0].attributes.POSITION];
   const start = 20 + length + 8 + (gltf.bufferViews[accessor.bufferView].byteOffset ?? 0);
   const [tx, ty, tz] = gltf.nodes[0].translation ?? [0, 0, 0];
@@ -67,7 +86,9 @@ async function walk(file, error, outer) {
       if (content.endsWith(".json")) await walk(content, node.geometricError, region);
       else {
         ++counts.contents;
-        const report = await validator.validateBytes(new Uint8Array(fs.readFileSync(content)));
+        const report = await validator.validateBytes(new Uint8Array(fs.readFileSync(content)), {
+          externalResourceFunction: async (uri) => new Uint8Array(fs.readFileSync(path.join(path.dirname(content), decodeURIComponent(uri)))),
+        });
         counts.gltf_errors += report.issues.numErrors;
         counts.gltf_warnings += report.issues.numWarnings;
         if (report.issues.numErrors) fault(`${content}: ${JSON.stringify(report.issues.messages[0])}`);

@@ -16,6 +16,7 @@
 #include "builder/export/glb_writer.h"
 #include "builder/export/imagery_view.h"
 #include "builder/export/mesh_export.h"
+#include "builder/export/object_tileset.h"
 #include "builder/export/pack_accuracy.h"
 #include "builder/export/quantized_mesh_tile.h"
 
@@ -27,6 +28,8 @@ using Unit = QuantizedMeshPlan::Unit;
 
 constexpr std::size_t kThreadBytes = std::size_t{48} << 20;
 constexpr const char* kTilesetName = "tileset.json";
+constexpr const char* kGroundName = "ground.json";  // where there are objects beside it
+const Json kAsset = {{"version", "1.1"}, {"generator", "cairn " CAIRN_VERSION}};
 constexpr int kLevelsOfFile = 4;    // a tileset file has so many levels, then other files go on
 constexpr double kSkirtErrors = 5;  // a skirt is so many errors of its level deep, as CesiumJS's own are
 constexpr int kTexture = 512;       // pixels a side of a tile's image, and up to
@@ -127,7 +130,9 @@ class TilesetExport {
   std::vector<GeographicTile> roots() const;
   Json node_of(const GeographicTile& tile) const;
   Status write_tileset(const ExportFolder& folder, const std::vector<GeographicTile>& roots,
-                       const std::string& name) const;
+                       const std::string& name, Json& file) const;
+  Status write_ground_and_objects(const ExportFolder& folder, const VerticalShift& shift,
+                                  ExportReport& report) const;
 
   const PackReader& pack_;
   const ExportOptions& options_;
@@ -266,8 +271,8 @@ Json TilesetExport::node_of(const GeographicTile& tile) const {
 
 /// A file with some levels of tiles from these on, and the files that go on below them.
 Status TilesetExport::write_tileset(const ExportFolder& folder, const std::vector<GeographicTile>& roots,
-                                    const std::string& name) const {
-  const std::string up = name == kTilesetName ? "" : "../../";
+                                    const std::string& name, Json& file) const {
+  const std::string up = name.find('/') == std::string::npos ? "" : "../../";
   std::vector<GeographicTile> others;
   const auto build = [&](const auto& self, const GeographicTile& tile, int left) -> Json {
     Json node = node_of(tile);
@@ -302,15 +307,51 @@ Status TilesetExport::write_tileset(const ExportFolder& folder, const std::vecto
   // What is missing where no tile is drawn: all of the relief, if that is more than the root's error.
   const Json& region = tree["boundingVolume"]["region"];
   const double relief = region[5].get<double>() - region[4].get<double>();
-  const Json file = {{"asset", {{"version", "1.1"}, {"generator", fmt::format("cairn {}", CAIRN_VERSION)}}},
-                     {"geometricError", std::max(relief, tree["geometricError"].get<double>())},
-                     {"root", tree}};
+  file = {{"asset", kAsset},
+          {"geometricError", std::max(relief, tree["geometricError"].get<double>())},
+          {"root", tree}};
   if (auto status = folder.write(name, file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
       !status)
     return status;
-  for (const GeographicTile& other : others)
-    if (auto status = write_tileset(folder, {other}, name_of(other) + ".json"); !status) return status;
+  for (const GeographicTile& other : others) {
+    Json own;
+    if (auto status = write_tileset(folder, {other}, name_of(other) + ".json", own); !status) return status;
+  }
   return {};
+}
+
+/// The ground's tileset alone, or one that adds the objects to it.
+Status TilesetExport::write_ground_and_objects(const ExportFolder& folder, const VerticalShift& shift,
+                                               ExportReport& report) const {
+  const auto objects = write_object_tileset(pack_, options_.region, shift, folder);
+  if (!objects) return objects.error();
+  Json ground;
+  if (!*objects) return write_tileset(folder, roots(), kTilesetName, ground);
+  if (auto status = write_tileset(folder, roots(), kGroundName, ground); !status) return status;
+  const auto child = [](const Json& region, const Json& error, const char* uri) -> Json {
+    return {{"boundingVolume", {{"region", region}}},
+            {"geometricError", error},
+            {"refine", "ADD"},
+            {"content", {{"uri", uri}}}};
+  };
+  const Json& root = ground["root"];
+  Json region = root["boundingVolume"]["region"];
+  for (const std::size_t i : {0, 1, 4}) region[i] = std::min(region[i].get<double>(), (*objects)->region[i]);
+  for (const std::size_t i : {2, 3, 5}) region[i] = std::max(region[i].get<double>(), (*objects)->region[i]);
+  const double error = std::max(ground["geometricError"].get<double>(), (*objects)->error_m);
+  const Json all = {
+      {"asset", kAsset},
+      {"geometricError", error},
+      {"root",
+       {{"boundingVolume", {{"region", region}}},
+        {"geometricError", error},
+        {"refine", "ADD"},
+        {"children",
+         Json::array({child(root["boundingVolume"]["region"], root["geometricError"], kGroundName),
+                      child((*objects)->region, (*objects)->error_m, "objects/tileset.json")})}}}};
+  report.notes.push_back(fmt::format("{} objects of {} models, {} bytes beside the textures.",
+                                     (*objects)->objects, (*objects)->models, (*objects)->bytes));
+  return folder.write(kTilesetName, all.dump(1) + "\n");
 }
 
 Result<ExportReport> TilesetExport::run() {
@@ -341,8 +382,8 @@ Result<ExportReport> TilesetExport::run() {
   if (tiles_.empty())
     return failed(pack_.path().string() + ": expected heights in the region, the pack has none");
   gather();
-  if (auto status = write_tileset(*folder, roots(), kTilesetName); !status) return status.error();
   ExportReport report;
+  if (auto status = write_ground_and_objects(*folder, *shift, report); !status) return status.error();
   report.datum = shift->datum;
   for (const auto& [number, level] : levels_) report.levels.push_back(level);
   if (auto status = folder->finish(); !status) return status.error();
@@ -360,6 +401,7 @@ Result<ExportReport> write(const PackReader& pack, const ExportOptions& options,
 
 extern const ExportFormat tiles_3d_exporter;
 const ExportFormat tiles_3d_exporter{
-    "3dtiles", "a folder of 3D Tiles 1.1 with tileset.json: glTF meshes, the imagery on them", write};
+    "3dtiles", "a folder of 3D Tiles 1.1 with tileset.json: glTF meshes, the imagery and the objects on them",
+    write};
 
 }  // namespace cairn
