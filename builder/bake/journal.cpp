@@ -43,7 +43,8 @@ Result<IndexEntry> take_entry(ByteReader& reader) {
   return decode_entry(bytes);
 }
 
-Result<UnitRecord> decode(std::span<const std::byte> bytes) {
+// The root may be most of a record, and stays where it is read.
+Result<UnitRecord> decode(std::vector<std::byte>&& bytes) {
   ByteReader reader(bytes);
   UnitRecord record;
   for (auto n = reader.read<std::uint32_t>(); n > 0; --n) {
@@ -58,8 +59,9 @@ Result<UnitRecord> decode(std::span<const std::byte> bytes) {
     record.held = TileBlock{*entry, {block.begin(), block.end()}};
   }
   if (!reader.ok()) return bad_data("journal: a record: expected more bytes");
-  const auto root = reader.take(reader.remaining());
-  record.root.assign(root.begin(), root.end());
+  const auto before = static_cast<std::ptrdiff_t>(bytes.size() - reader.remaining());
+  record.root = std::move(bytes);
+  record.root.erase(record.root.begin(), record.root.begin() + before);
   return record;
 }
 
@@ -79,7 +81,7 @@ std::optional<PlacedRecord> read_record(const File& file, std::uint64_t size, st
   if (length > size - body) return std::nullopt;
   std::vector<std::byte> bytes(static_cast<std::size_t>(length));
   if (!file.read(body, bytes) || checksum(bytes) != sum) return std::nullopt;
-  auto record = decode(bytes);
+  auto record = decode(std::move(bytes));
   if (!record) return std::nullopt;
   return PlacedRecord{std::move(*record), {at, body + length}};
 }

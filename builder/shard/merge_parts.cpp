@@ -3,6 +3,8 @@
 #include <optional>
 #include <string>
 
+#include <malloc.h>
+
 #include "builder/bake/bake_target.h"
 #include "builder/bake/layer_bake.h"
 #include "builder/bake/memory_budget.h"
@@ -18,6 +20,8 @@ namespace cairn {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int kLargestRecord = 16 << 20;  // bytes of a part's record, whose memory the next one takes over
 
 /// The part of each shard, by number.
 struct Parts {
@@ -141,6 +145,7 @@ Result<BuildReport> merge_in_arena(const fs::path& plan_file, const std::vector<
 Result<BuildReport> merge_parts(const fs::path& plan, const std::vector<fs::path>& parts,
                                 const SessionOptions& session, const ProgressCallback& progress) {
   keep_freed_memory();
+  ::mallopt(M_MMAP_THRESHOLD, kLargestRecord);
   return with_threads(session.threads,
                       [&](int threads) { return merge_in_arena(plan, parts, session, threads, progress); });
 }
