@@ -10,6 +10,7 @@
 #include "builder/app/report_error.h"
 #include "builder/app/verbs.h"
 #include "builder/app/watched_work.h"
+#include "builder/bake/memory_budget.h"
 #include "cairn/shards.h"
 
 namespace cairn {
@@ -27,7 +28,8 @@ struct PlanArguments {
 };
 
 Json json_of(const PlanReport& report, const std::string& file) {
-  Json out{{"plan", file}, {"files", report.files}, {"memory_bytes", report.memory_bytes}};
+  Json out{{"plan", file}, {"files", report.files}, {"memory_bytes", report.memory_bytes},
+           {"peak_rss_mib", static_cast<double>(peak_resident_bytes()) / kMiB}};
   out["shards"] = Json::array();
   for (const PlanReport::Shard& shard : report.shards) {
     out["shards"].push_back({{"shard", out["shards"].size()},

@@ -169,13 +169,14 @@ class Workflow(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         self.started = []
         self.addCleanup(end_descendants, self.started)
-        self.inputs = []
-        for sample in sorted((REPOSITORY / "sample-dem").glob("*.tif")):
-            self.inputs.append(self.folder / sample.name)
-            shutil.copyfile(sample, self.inputs[-1])
+        samples = sorted((REPOSITORY / "sample-dem").glob("*.tif"))
+        self.use([pathlib.Path(shutil.copyfile(sample, self.folder / sample.name)) for sample in samples])
+
+    def use(self, inputs):
+        self.inputs = inputs
         self.config = self.folder / "config.json"
         self.config.write_text(json.dumps({
-            "inputs": [*map(str, self.inputs), "--tile-size", "257"], "pack": "out.cairn", "shards": self.SHARDS,
+            "inputs": [*map(str, inputs), "--tile-size", "257"], "pack": "out.cairn", "shards": self.SHARDS,
             "threads": 1, "memory_mib": 512, "cairn": str(self.watched_cairn())}))
 
     def watched_cairn(self):
@@ -224,6 +225,11 @@ exec {PROGRAMS}/cairn "$@"
         self.assertEqual(report["shards"], self.SHARDS)
         self.assertEqual(report["pack_bytes"], whole.stat().st_size)
 
+    def flat_cell(self, lon, metres):
+        path = self.folder / f"N40E{lon:03}.hgt"
+        path.write_bytes(metres.to_bytes(2, "big") * 1201**2)
+        return path
+
     def part_times(self):
         return {part: part.stat().st_mtime_ns for part in (self.folder / "work").glob("*.part")}
 
@@ -238,11 +244,21 @@ exec {PROGRAMS}/cairn "$@"
         self.inputs[0].touch()
         self.here()
         self.assertEqual(times, self.part_times())
-        # One of other bytes: all is made again.
+        # One of other bytes, which all shards read.
         with open(self.inputs[0], "ab") as changed:
             changed.write(b"more")
         self.here()
         self.check_pack()
+
+    def test_shards_stay_that_do_not_read_what_changed(self):
+        self.use([self.flat_cell(lon, 7) for lon in (20, 23, 26)])
+        self.here()
+        self.check_pack()
+        times = self.part_times()
+        self.flat_cell(26, 8)
+        self.here()
+        self.check_pack()
+        self.assertEqual([part.name for part, time in self.part_times().items() if time != times[part]], ["2.part"])
 
     def test_under_slurm(self):
         if not (shutil.which("slurmctld") and shutil.which("slurmd") and shutil.which("munged")):
