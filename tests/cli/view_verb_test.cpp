@@ -121,7 +121,8 @@ TEST_CASE(
   CHECK(read_bytes(png) != read_bytes(own));
   const Ran none = run_cairn({"view", pack, "--method", "best", "--screenshot", png});
   CHECK(is_one_line(none.err));
-  for (const char* name : {"block", "cairn", "chunked", "full", "geomip", "quadtree", "rqt", "soar", "surface"}) {
+  for (const char* name : {"block", "cairn", "cdlod", "chunked", "clipmap", "full", "geomip", "quadtree",
+                           "roam", "rqt", "soar", "surface"}) {
     CHECK(none.err.find(name) != std::string::npos);
   }
 }
