@@ -17,6 +17,7 @@
 #include "builder/app/verbs.h"
 #include "builder/serve/http_server.h"
 #include "builder/serve/pack_service.h"
+#include "builder/serve/stream_service.h"
 
 namespace cairn {
 namespace {
@@ -25,6 +26,8 @@ struct ServeOptions {
   std::vector<std::string> packs;
   std::string address = "127.0.0.1";
   std::uint16_t port = 8080;
+  bool streams = false;
+  StreamLimits stream_limits;
 };
 
 /// Returns the folder of the page: that of the installed tree, or of the build's, where this program lies.
@@ -41,7 +44,14 @@ std::optional<std::filesystem::path> find_page() {
 
 int run_serve(const ServeOptions& options) {
   const auto page = find_page();
-  const auto service = PackService::open({options.packs.begin(), options.packs.end()}, page);
+  std::unique_ptr<StreamService> streams;
+  if (options.streams) {
+    auto found = StreamService::create(options.stream_limits);
+    if (!found) return report_error(found.error());
+    streams = std::move(*found);
+  }
+  const auto service =
+      PackService::open({options.packs.begin(), options.packs.end()}, page, std::move(streams));
   if (!service) return report_error(service.error());
 
   // Blocked before any thread begins, so that only sigwait() below takes them.
@@ -79,6 +89,17 @@ void add_serve(CLI::App& app, int& exit_code) {
                    "The address to listen on; 0.0.0.0 lets other machines reach the packs")
       ->capture_default_str();
   verb->add_option("--port", options->port, "0 takes a free one; the address is printed")
+      ->capture_default_str();
+  CLI::Option* stream = verb->add_flag(
+      "--stream", options->streams,
+      "Draw pictures for clients without a GPU, in a process for each; needs cairn-stream and OpenGL 4.5");
+  verb->add_option("--viewers", options->stream_limits.viewers, "With --stream: clients drawn for at once")
+      ->needs(stream)
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  verb->add_option("--cache", options->stream_limits.cache_mib, "With --stream: MiB of tiles for each client")
+      ->needs(stream)
+      ->check(CLI::Range(16, 1 << 20))
       ->capture_default_str();
   verb->callback([options, &exit_code] { exit_code = run_serve(*options); });
 }

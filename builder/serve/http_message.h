@@ -35,6 +35,8 @@ struct HttpAnswer {
   std::vector<std::pair<std::string, std::string>> fields;
   std::string body;
   std::optional<FilePart> file;  ///< instead of `body`
+  /// Where there is one, nothing is answered: it takes over the connection's socket and answers itself.
+  std::function<void(int socket)> take_socket = {};
 };
 
 /// Answers a request. Several threads call it at once.

@@ -112,6 +112,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
     });
   }
 
+  /// Gives the connection to another server, to which a client speaks only after an answer.
+  void hand_over(const HttpAnswer& answer) {
+    if (buffer_.size() != 0) return refuse(400, "request: expected nothing behind it, found more bytes");
+    ErrorCodeOf error;
+    const int socket = stream_.release_socket().release(error);
+    if (!error) answer.take_socket(socket);
+  }
+
   /// Answers and closes: where a message is malformed, nobody knows where the next one begins.
   void refuse(int status, const std::string& text) {
     keep_alive_ = false;
@@ -119,6 +127,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void send(HttpAnswer answer) {
+    if (answer.take_socket) return hand_over(answer);
     answer_ = std::move(answer);
     response_ = {};
     response_.version(11);

@@ -15,13 +15,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json pack_json(const std::string& name, const OpenedPack& pack) {
+Json pack_json(const std::string& name, const OpenedPack& pack, bool is_streamed) {
   const PackHeader& header = pack.reader.header();
   Json json = {{"name", name},
                {"url", "packs/" + escape_path(name)},
                {"id", to_string(header.id)},
                {"bytes", header.file_bytes()},
                {"vertical_datum", header.datum_name()}};
+  if (is_streamed) json["stream"] = "stream/" + escape_path(name);
   const PackAccuracy accuracy = accuracy_of(pack.reader);
   if (accuracy.bounds)
     json["bounds"] = {accuracy.bounds->west, accuracy.bounds->south, accuracy.bounds->east,
@@ -40,8 +41,10 @@ std::pair<std::string, std::string> name_and_rest(const std::string& path) {
 }  // namespace
 
 Result<PackService> PackService::open(const std::vector<std::filesystem::path>& packs,
-                                      const std::optional<std::filesystem::path>& page) {
+                                      const std::optional<std::filesystem::path>& page,
+                                      std::unique_ptr<StreamService> streams) {
   PackService service;
+  service.streams_ = std::move(streams);
   for (const std::filesystem::path& path : packs) {
     auto pack = ServedPack::open(path);
     if (!pack) return pack.error();
@@ -67,7 +70,7 @@ HttpAnswer PackService::list() const {
   Json json = Json::array();
   for (const ServedPack& served : packs_) {
     const auto pack = served.now();
-    json.push_back(pack ? pack_json(served.name(), **pack)
+    json.push_back(pack ? pack_json(served.name(), **pack, streams_ != nullptr)
                         : Json{{"name", served.name()}, {"error", pack.error().message}});
   }
   return json_answer(json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
@@ -80,6 +83,9 @@ HttpAnswer PackService::answer_with_pack(const HttpRequest& request) const {
   const auto pack = served->now();
   if (!pack) return error_answer(503, pack.error().message);
   if (request.path.starts_with("/terrarium/")) return answer_terrarium(request, name, **pack, rest);
+  if (request.path.starts_with("/stream/") && rest.empty())
+    return streams_ ? streams_->answer(request, served->path())
+                    : error_answer(404, "stream: this server draws no pictures");
   if (request.path.starts_with("/quantized-mesh/")) return answer_quantized_mesh(request, name, **pack, rest);
   return rest.empty() ? answer_with_file(request, (*pack)->served)
                       : error_answer(404, "path: expected /packs/NAME, found " + request.path);
@@ -89,7 +95,7 @@ HttpAnswer PackService::answer(const HttpRequest& request) const {
   if (request.path == "/packs.json") return list();
   if (request.path == "/heights") return answer_heights(request, packs_);
   if (request.path.starts_with("/packs/") || request.path.starts_with("/terrarium/") ||
-      request.path.starts_with("/quantized-mesh/"))
+      request.path.starts_with("/quantized-mesh/") || request.path.starts_with("/stream/"))
     return answer_with_pack(request);
   if (auto file = page_.answer(request)) return *file;
   if (request.path == "/")
@@ -98,8 +104,8 @@ HttpAnswer PackService::answer(const HttpRequest& request) const {
             "cairn serve: the page is not installed here. /packs.json lists the packs.\n",
             {}};
   return error_answer(404,
-                      "path: expected /, /packs.json, /packs/NAME, /heights, /terrarium/NAME or "
-                      "/quantized-mesh/NAME, found " +
+                      "path: expected /, /packs.json, /packs/NAME, /heights, /terrarium/NAME, "
+                      "/quantized-mesh/NAME or /stream/NAME, found " +
                           request.path);
 }
 

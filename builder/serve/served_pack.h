@@ -38,6 +38,7 @@ class ServedPack {
   static Result<ServedPack> open(const std::filesystem::path& path);
 
   const std::string& name() const { return name_; }
+  const std::filesystem::path& path() const { return path_; }
 
   /// Returns the pack as it is now. The error says why the file that is there now does not open; a file that
   /// is gone is served until there is another.

@@ -6,7 +6,7 @@ import { execFileSync, spawn } from "node:child_process";
 import { copyFileSync, existsSync, mkdtempSync, readFileSync, renameSync, rmSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { dirname, join } from "node:path";
 import { after, before, test } from "node:test";
 import { SlowProxy } from "./slow_proxy.mjs";
 import { serveFolders } from "./static_server.mjs";
@@ -23,7 +23,7 @@ const PATIENCE_MS = 240000; // a software renderer on a busy machine
 let browser, folder, pack;
 const running = [];
 
-/** Starts `cairn serve`; returns its port and process. */
+/** Starts `cairn serve` with packs and options; returns its port and process. */
 async function serve(...packs) {
   const server = spawn(cairn, ["serve", ...packs, "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
   running.push(server);
@@ -258,4 +258,60 @@ test("a damaged tile, a file that is replaced and a server that dies are said in
   assert.match(await readBlock(dying.page), /^network: .*cannot be reached/);
   await dying.page.close();
   proxy.close();
+});
+
+const drawsPictures = existsSync(join(dirname(cairn), "cairn-stream")) || existsSync(join(dirname(cairn), "../lib/cairn/cairn-stream"));
+test("where a browser has no WebGL the server draws, keys steer it, and the globe takes its camera over", { skip: !drawsPictures && "SKIPPED: built without the viewer" }, async () => {
+  const { port } = await serve(pack, "--stream");
+  const { page, errors } = await openPage("about:blank", { width: 800, height: 450 });
+  await page.evaluateOnNewDocument(() => {
+    const { getContext } = HTMLCanvasElement.prototype;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+      return kind === "webgl2" && !globalThis.hasWebGl ? null : getContext.call(this, kind, ...rest);
+    };
+  });
+  await page.goto(`http://127.0.0.1:${port}/`);
+  const isWhole = () => globalThis.cairn?.figures?.complete;
+  await page.waitForFunction(isWhole, { polling: 100 });
+  const size = await page.$eval("#globe canvas", (canvas) => [canvas.width, canvas.height]);
+  assert.deepEqual(size, [800, 450]);
+  const colours = await page.$eval("#globe canvas", (canvas) => {
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    return new Set(new Uint32Array(data.buffer)).size;
+  });
+  assert.ok(colours > 1000, `${colours} colours`);
+  if (pictures) await page.screenshot({ path: join(pictures, "browser-stream.png") });
+
+  const before = await page.evaluate(() => globalThis.cairn.stream.camera);
+  await page.focus("#globe");
+  await page.keyboard.down("KeyW");
+  await page.waitForFunction((lat) => globalThis.cairn.stream.camera[1] > lat, { polling: 50 }, before[1]);
+  await page.keyboard.up("KeyW");
+  await page.waitForFunction(() => globalThis.cairn.figures.latencyMs > 0, { polling: 50 });
+  assert.match(await page.$eval("#place-info", (info) => info.value), /^800×450, \d+ frames\/s, [\d.]+ Mbit\/s, drawn in \d+ ms, \d+ ms from a key/);
+
+  await page.type("#place", "-34.1, 20.4");
+  await page.click("#panel button[type=submit]");
+  await page.waitForFunction(() => Math.abs(globalThis.cairn.stream.camera[0] - 20.4) < 0.01, { polling: 50 });
+  assert.match(page.url(), /draw=server/);
+
+  await page.evaluate(() => (globalThis.hasWebGl = true));
+  await page.click("#stream");
+  await settled(page);
+  const [lon, lat] = await page.evaluate(() => {
+    const { longitude, latitude } = globalThis.cairn.view.widget.camera.positionCartographic;
+    return [longitude, latitude].map((angle) => (angle * 180) / Math.PI);
+  });
+  assert.ok(Math.abs(lon - 20.4) < 0.01 && Math.abs(lat + 34.1) < 0.01, `${lon}, ${lat}`);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("a server that stops drawing is said in words", { skip: !drawsPictures && "SKIPPED: built without the viewer" }, async () => {
+  const { server, port } = await serve(pack, "--stream");
+  const { page } = await openPage(`http://127.0.0.1:${port}/#draw=server`, { width: 320, height: 180 });
+  await page.waitForFunction(() => globalThis.cairn?.figures, { polling: 100 });
+  server.kill();
+  assert.match(await messageOf(page), /server has ended the stream/);
+  await page.close();
 });

@@ -7,6 +7,8 @@ export interface Link {
   camera?: [lon: number, lat: number, height: number, heading: number, pitch: number];
   hour?: number;
   show?: string;
+  /** Whether the server draws. */
+  stream?: boolean;
 }
 
 /** Reads the part of an address after its #; fields that are malformed are left out. */
@@ -22,6 +24,7 @@ export function readLink(hash: string): Link {
   if (hour >= 0 && hour <= 24) link.hour = hour;
   const show = fields.get("show");
   if (show) link.show = show;
+  if (fields.get("draw") === "server") link.stream = true;
   return link;
 }
 
@@ -31,6 +34,7 @@ export function writeLink(link: Link): string {
   if (link.camera) fields.set("camera", link.camera.join(","));
   if (link.hour !== undefined) fields.set("hour", String(link.hour));
   if (link.show) fields.set("show", link.show);
+  if (link.stream) fields.set("draw", "server");
   return "#" + fields.toString().replaceAll("%2C", ",").replaceAll("%2F", "/");
 }
 

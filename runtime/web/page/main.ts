@@ -2,6 +2,7 @@ import { BlobSource, type ByteSource, Decoder, hasSimd, heightAt, HttpSource, Pa
 import { ERROR_COLOURS, errorColour, levelColour } from "../cesium/detail_provider.js";
 import { cameraOf, readLink, readPlace, writeLink } from "./camera_link.js";
 import { moveByKey } from "./keyboard.js";
+import { type StreamFigures, StreamView } from "./stream_view.js";
 import { PackView, type PlaceInfo, type Show } from "./pack_view.js";
 import * as Cesium from "cesium";
 
@@ -22,7 +23,12 @@ const legend = element("legend");
 
 let decoder: Promise<Decoder> | undefined;
 let view: PackView | undefined;
+let stream: StreamView | undefined;
 let packUrl: string | undefined;
+/** Of the packs that the server draws: where it does. */
+const streamUrls = new Map<string, string>();
+const streaming = element("streaming");
+const streams = element<HTMLInputElement>("stream");
 
 /** Says what failed and what a person can do. */
 function fail(error: unknown): void {
@@ -45,15 +51,62 @@ function loadDecoder(): Promise<Decoder> {
   return decoder;
 }
 
+/** Opens a pack of the server, drawn as the page says; here where there is no WebGL, if the server draws it. */
+async function openUrl(url: string): Promise<void> {
+  const drawn = streamUrls.get(url);
+  streaming.hidden = drawn === undefined;
+  if (drawn !== undefined && (streams.checked || !hasWebGl())) return openStream(url, drawn);
+  if (!hasWebGl())
+    return fail(new Error("This browser draws no WebGL 2, which the globe needs. Another browser or graphics driver may."));
+  return open(new HttpSource(new URL(url, location.href).href), url);
+}
+
+function hasWebGl(): boolean {
+  return document.createElement("canvas").getContext("webgl2") !== null;
+}
+
+function closeViews(): void {
+  view?.destroy();
+  stream?.destroy();
+  view = undefined;
+  stream = undefined;
+  globe.replaceChildren();
+}
+
+function openStream(url: string, drawnAt: string): void {
+  message.hidden = true;
+  const link = readLink(location.hash);
+  if (link.hour !== undefined && link.pack === url) hour.value = String(link.hour);
+  const camera = view && packUrl === url ? cameraOf(view.widget.camera) : link.pack === url ? link.camera : undefined;
+  closeViews();
+  packUrl = url;
+  streams.checked = true;
+  show.disabled = true;
+  legend.replaceChildren();
+  info.value = "Waiting for the server's first picture …";
+  stream = new StreamView(drawnAt, globe, { hour: Number(hour.value), ...(camera ? { camera } : {}) }, describeStream, fail);
+  Object.assign(globalThis, { cairn: { stream } });
+}
+
+function describeStream(figures: StreamFigures): void {
+  const latency = figures.latencyMs === undefined ? "" : `, ${figures.latencyMs.toFixed(0)} ms from a key to its picture`;
+  info.value =
+    `${figures.width}×${figures.height}, ${figures.framesPerSecond} frames/s, ${figures.megabitsPerSecond.toFixed(2)} Mbit/s, ` +
+    `drawn in ${figures.drawMs.toFixed(0)} ms${latency}${figures.complete ? "" : ", loading"}`;
+  history.replaceState(null, "", currentLink());
+  Object.assign((globalThis as unknown as { cairn: object }).cairn, { figures });
+}
+
 async function open(source: ByteSource, url: string | undefined): Promise<void> {
   message.hidden = true;
+  const streamed = stream?.camera && packUrl === url ? stream.camera : undefined;
+  show.disabled = false;
   info.value = `Opening ${source.name} …`;
   progress.hidden = false;
   progress.removeAttribute("value");
   try {
     const pack = await Pack.open(source, await loadDecoder());
-    view?.destroy();
-    globe.replaceChildren();
+    closeViews();
     view = await PackView.create(pack, globe, element("cesium-credits"), fail);
     packUrl = url;
     watch(view);
@@ -61,7 +114,8 @@ async function open(source: ByteSource, url: string | undefined): Promise<void> 
     const wanted = (link.show ?? (view.hasImagery ? "imagery" : "relief")) as Show;
     show.value = wanted;
     showAs(wanted);
-    if (link.camera && link.pack === url) setCamera(link.camera);
+    if (streamed) setCamera(streamed);
+    else if (link.camera && link.pack === url) setCamera(link.camera);
     else view.goHome();
     if (link.hour !== undefined) hour.value = String(link.hour);
     view.setHour(Number(hour.value));
@@ -99,7 +153,7 @@ function setCamera([lon, lat, height, heading, pitch]: [number, number, number, 
 function currentLink(): string {
   return writeLink({
     ...(packUrl ? { pack: packUrl } : {}),
-    ...(view ? { camera: cameraOf(view.widget.camera) } : {}),
+    ...(view ? { camera: cameraOf(view.widget.camera) } : stream?.camera ? { camera: stream.camera, stream: true } : {}),
     hour: Number(hour.value),
     show: show.value,
   });
@@ -167,14 +221,18 @@ element<HTMLFormElement>("panel").addEventListener("submit", (event) => {
   const place = readPlace(text);
   if (!place) return fail(new Error(`Go to: expected a latitude and a longitude such as 46.5, 8.1, found ${text || "nothing"}`));
   message.hidden = true;
+  if (stream?.camera) stream.setCamera([place.lon, place.lat, ...(stream.camera.slice(2) as [number, number, number])]);
   view?.goTo(place.lon, place.lat);
   void (view && heightAt(view.pack, place.lon, place.lat).then((height) => {
     info.value = describe({ ...place, ...height });
   }, fail));
 });
 show.addEventListener("change", () => showAs(show.value as Show));
-hour.addEventListener("input", () => view?.setHour(Number(hour.value)));
-element("home").addEventListener("click", () => view?.goHome());
+hour.addEventListener("input", () => (stream ?? view)?.setHour(Number(hour.value)));
+element("home").addEventListener("click", () => (stream ?? view)?.goHome());
+streams.addEventListener("change", () => {
+  if (packUrl !== undefined) void openUrl(packUrl);
+});
 element("link").addEventListener("click", () => {
   history.replaceState(null, "", currentLink());
   navigator.clipboard?.writeText(location.href).then(
@@ -183,20 +241,23 @@ element("link").addEventListener("click", () => {
   );
 });
 element("picture").addEventListener("click", () => {
-  if (!view) return;
-  view.widget.render();
+  const canvas = stream?.canvas ?? view?.widget.canvas;
+  if (!canvas) return;
+  view?.widget.render();
   const save = document.createElement("a");
   save.download = "cairn.png";
-  save.href = view.widget.canvas.toDataURL("image/png");
+  save.href = canvas.toDataURL("image/png");
   save.click();
 });
 message.addEventListener("click", () => (message.hidden = true));
 
 packs.addEventListener("change", () => {
   history.replaceState(null, "", writeLink({ pack: packs.value }));
-  void open(new HttpSource(new URL(packs.value, location.href).href), packs.value);
+  void openUrl(packs.value);
 });
 function openFile(file: File): void {
+  streaming.hidden = true;
+  streams.checked = false;
   void open(new BlobSource(file, file.name), undefined);
 }
 element<HTMLInputElement>("file").addEventListener("change", (event) => {
@@ -220,10 +281,8 @@ addEventListener("drop", (event) => {
 /** Lists the server's packs, where it is `cairn serve`, and opens the one that the link names, or the first. */
 async function start(): Promise<void> {
   if (matchMedia("(max-width: 40rem)").matches) document.querySelector("details")!.open = false;
-  if (!document.createElement("canvas").getContext("webgl2"))
-    return fail(new Error("This browser draws no WebGL 2, which the globe needs. Another browser or graphics driver may."));
-  const wanted = readLink(location.hash).pack;
-  let urls: { url: string; name: string }[] = [];
+  const { pack: wanted, stream: isStreamed } = readLink(location.hash);
+  let urls: { url: string; name: string; stream?: string }[] = [];
   try {
     const answer = await fetch("packs.json");
     if (answer.ok) urls = (await answer.json()) as typeof urls;
@@ -235,7 +294,9 @@ async function start(): Promise<void> {
   const first = wanted ?? urls[0]?.url;
   if (first === undefined) return;
   packs.value = first;
-  await open(new HttpSource(new URL(first, location.href).href), first);
+  for (const { url, stream: drawnAt } of urls) if (drawnAt) streamUrls.set(url, drawnAt);
+  streams.checked = isStreamed === true;
+  await openUrl(first);
 }
 
 void start();
