@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
+#include <glm/vec2.hpp>
 
 #include "runtime/query/ground_tiles.h"
 
@@ -17,7 +18,7 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kWidening = 1.02;    // geocentric angles to geodetic ones, with room for rounding
-constexpr double kPolar_deg = 89.9;   // from here on an area goes around the pole
+constexpr double kPolar_deg = 89.9;   // beyond it cells are no narrower than here
 constexpr double kShortest_m = 1e-3;  // a piece that crosses a cell's edge is not split further
 
 /// A straight line in space.
@@ -74,6 +75,22 @@ bool is_place(const Geodetic& at) {
   return std::isfinite(at.place.lon) && std::abs(at.place.lat) <= 90 && std::isfinite(at.height_m);
 }
 
+/// How far the longitudes of a piece are from that of its middle, degrees, with room for rounding. Seen from
+/// the axis a straight line turns one way only, by less than half a turn: none is farther than those of its
+/// ends.
+double longitude_reach_deg(const Line& line, const Piece& piece) {
+  const auto from_axis = [&](double t_m) { return glm::dvec2(line.at(t_m)); };
+  const glm::dvec2 middle = from_axis(piece.middle_m());
+  double reach = 0;
+  for (const double end_m : {piece.from_m, piece.to_m}) {
+    const glm::dvec2 end = from_axis(end_m);
+    const double cross = middle.x * end.y - middle.y * end.x;
+    reach = std::max(reach, std::abs(std::atan2(cross, glm::dot(middle, end))));
+  }
+  // A micrometre of rounding, seen from the axis.
+  return glm::degrees(reach + 1e-6 / std::max(glm::length(middle), 1e-9)) * kWidening;
+}
+
 }  // namespace
 
 /// The tiles, and the search along a line: pieces that pass above all ground beneath them are dropped, others
@@ -107,8 +124,7 @@ Result<double> GroundQuery::State::least_clearance_m(const Line& line, const Pie
   double lat_reach = 180, lon_reach = 360;
   if (piece.half_m() < radius_m / 4) {
     lat_reach = glm::degrees(std::asin(piece.half_m() / radius_m)) * kWidening;
-    const double nearest_pole = std::abs(at.place.lat) + lat_reach;
-    if (nearest_pole < kPolar_deg) lon_reach = lat_reach / std::cos(glm::radians(nearest_pole)) * kWidening;
+    lon_reach = longitude_reach_deg(line, piece);
   }
   const Result<double> ceiling_m = tiles.ceiling_m(at.place, lon_reach, lat_reach, errors);
   if (!ceiling_m) return ceiling_m.error();

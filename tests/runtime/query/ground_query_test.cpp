@@ -140,6 +140,44 @@ TEST_CASE("a ray meets the ground where a march in small steps finds it first") 
   }
 }
 
+TEST_CASE("rays that pass within metres of a pole meet the ground where a march finds it first") {
+  for (const double lat : {89.9995, -89.9995}) {
+    const HillPack hills({20.1, lat});
+    GroundQuery query(hills.pack);
+    PackSampler sampler(*hills.pack, 64);
+    Dice dice(11);
+    int met = 0, over_pole = 0;
+    for (int i = 0; i < 40; ++i) {
+      // Across the pole or beside it, a few hundredths of a degree to both sides.
+      const double lon = dice.between(19.9, 20.3), side = std::copysign(1, lat);
+      const Geodetic from{{lon, side * (90 - dice.between(0.001, 0.03))}, dice.between(1100, 1600)};
+      const Geodetic to{
+          {lon + (i % 2 == 0 ? 180 : dice.between(-0.3, 0.3)), side * (90 - dice.between(1e-6, 0.002))},
+          dice.between(100, 900)};
+      const glm::dvec3 origin = to_geocentric(from.place, from.height_m);
+      const glm::dvec3 way = to_geocentric(to.place, to.height_m) - origin;
+      const double length_m = glm::length(way);
+      const March oracle = march(sampler, origin, way / length_m, length_m, 1);
+      const auto hit = query.ray(origin, way, length_m);
+      REQUIRE(hit.ok());
+      CAPTURE(lat, i, oracle.first_m, oracle.least_m, length_m);
+      if (!*hit) {
+        CHECK(oracle.first_m == kInfinite);
+        continue;
+      }
+      ++met;
+      over_pole += i % 2 == 0 ? 1 : 0;
+      CHECK((*hit)->distance_m <= oracle.first_m + 1e-6);
+      const bool begins =
+          above_m(sampler, origin + way / length_m * ((*hit)->distance_m - 0.01)) == kInfinite;
+      CHECK(std::abs(above_m(sampler, (*hit)->point)) <
+            ((*hit)->distance_m == 0 || begins ? kInfinite : 1e-3));
+    }
+    CHECK(met > 8);
+    CHECK(over_pole > 2);
+  }
+}
+
 TEST_CASE("a line of sight is clear by what a march finds, and says how sure that is") {
   int clear = 0, blocked = 0;
   for (const LonLat& place : kPlaces) {
