@@ -3,7 +3,7 @@
 // pictures go (optional); CAIRN_WASM, the built page.
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
-import { copyFileSync, existsSync, mkdtempSync, readFileSync, renameSync, rmSync } from "node:fs";
+import { copyFileSync, existsSync, mkdtempSync, readFileSync, renameSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
@@ -261,6 +261,88 @@ test("a damaged tile, a file that is replaced and a server that dies are said in
 });
 
 const drawsPictures = existsSync(join(dirname(cairn), "cairn-stream")) || existsSync(join(dirname(cairn), "../lib/cairn/cairn-stream"));
+/** In a page: the first row from above in each column of a picture that is no sky; its height where all is sky. */
+async function skylineOf(png, sky) {
+  const picture = await createImageBitmap(await (await fetch(png)).blob());
+  const canvas = new OffscreenCanvas(picture.width, picture.height);
+  const context = canvas.getContext("2d");
+  context.drawImage(picture, 0, 0);
+  const { data, width, height } = context.getImageData(0, 0, picture.width, picture.height);
+  const isSky = (x, y) => sky.every((value, i) => Math.abs(data[4 * (y * width + x) + i] - value) <= 40);
+  const rows = [];
+  for (let x = 0; x < width; ++x) {
+    let y = 0;
+    while (y < height && isSky(x, y)) ++y;
+    rows.push(y);
+  }
+  return rows;
+}
+
+/** Returns the row of each column at which the bare ellipsoid's horizon is, which CesiumJS draws where no tile is. */
+function horizonRows(width, height, fovDegrees, metres, pitchDegrees) {
+  const radians = (degrees) => (degrees * Math.PI) / 180;
+  const dip = Math.acos(6371e3 / (6371e3 + metres));
+  const pixel = (2 * Math.tan(radians(fovDegrees) / 2)) / height;
+  const [sine, cosine] = [Math.sin(radians(pitchDegrees)), Math.cos(radians(pitchDegrees))];
+  return Array.from({ length: width }, (_, column) => {
+    const x = (column + 0.5 - width / 2) * pixel;
+    const isAbove = (row) => {
+      const y = (height / 2 - row - 0.5) * pixel;
+      return Math.atan2(sine + y * cosine, Math.hypot(x, cosine - y * sine)) > -dip;
+    };
+    let row = 0;
+    while (row < height && isAbove(row)) ++row;
+    return row;
+  });
+}
+
+test("mountains stand where the project's own renderer draws them", { skip: !drawsPictures && "SKIPPED: built without the viewer" }, async () => {
+  const [width, height] = [960, 540];
+  const magenta = [255, 0, 255];
+  const { port } = await serve(pack);
+  const { page } = await openPage(`http://127.0.0.1:${port}/`, { width, height });
+  await settled(page);
+  const bounds = await page.evaluate(() => globalThis.cairn.view.pack.metadata.bounds);
+  const camera = [(bounds.west + bounds.east) / 2, bounds.south + 0.2 * (bounds.north - bounds.south), 900, 12, -3];
+  const { drawn, fovDegrees } = await page.evaluate(async ([lon, lat, metres, heading, pitch]) => {
+    const { view, Cesium } = globalThis.cairn;
+    const { scene, camera, canvas } = view.widget;
+    for (const sky of [scene.skyAtmosphere, scene.sun]) if (sky) sky.show = false;
+    scene.backgroundColor = Cesium.Color.MAGENTA;
+    scene.fog.enabled = false;
+    scene.globe.maximumScreenSpaceError = 1;
+    view.show("relief");
+    const [h, p] = [heading, pitch].map(Cesium.Math.toRadians);
+    camera.setView({ destination: Cesium.Cartesian3.fromDegrees(lon, lat, metres), orientation: { heading: h, pitch: p, roll: 0 } });
+    do {
+      scene.requestRender();
+      await new Promise((done) => setTimeout(done, 300));
+    } while (!scene.globe.tilesLoaded);
+    view.widget.render();
+    return { drawn: canvas.toDataURL("image/png"), fovDegrees: Cesium.Math.toDegrees(camera.frustum.fovy) };
+  }, camera);
+  const shot = join(folder, "shot.png");
+  execFileSync(cairn, ["view", pack, `--camera=${camera.join(",")}`, "--size", `${width}x${height}`, "--fov", String(fovDegrees), "--hole-colour", "magenta", "--samples", "1", "--no-fog", "--screenshot", shot]);
+  const expected = `data:image/png;base64,${readFileSync(shot).toString("base64")}`;
+  const [ours, alone] = await Promise.all([drawn, expected].map((png) => page.evaluate(skylineOf, png, magenta)));
+  const horizon = horizonRows(width, height, fovDegrees, camera[2], camera[4]);
+  const theirs = alone.map((row, x) => Math.min(row, horizon[x]));
+  if (pictures) {
+    copyFileSync(shot, join(pictures, "skyline-view.png"));
+    writeFileSync(join(pictures, "skyline-browser.png"), Buffer.from(drawn.split(",")[1], "base64"));
+  }
+  assert.equal(ours.length, theirs.length);
+  assert.ok(Math.max(...theirs) - Math.min(...theirs) > 20, "mountains in the picture");
+  // At a cliff of the skyline a column's neighbours count, too: 2 pixels are to the side as well.
+  const off = ours.filter((row, x) => {
+    const near = theirs.slice(Math.max(0, x - 2), x + 3);
+    return row < Math.min(...near) - 2 || row > Math.max(...near) + 2;
+  });
+  console.log(`skyline: ${off.length} of ${width} columns are more than 2 pixels off`);
+  assert.equal(off.length, 0);
+  await page.close();
+});
+
 test("where a browser has no WebGL the server draws, keys steer it, and the globe takes its camera over", { skip: !drawsPictures && "SKIPPED: built without the viewer" }, async () => {
   const { port } = await serve(pack, "--stream");
   const { page, errors } = await openPage("about:blank", { width: 800, height: 450 });
