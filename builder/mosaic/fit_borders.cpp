@@ -42,17 +42,24 @@ struct Block {
 };
 
 // Marks the samples of the block within kFitReach of a line between groups; empty where none runs through it.
+// A group that ends where no other begins has no such line there.
 std::vector<std::uint8_t> near_line(const Block& block, const SampleWindow& window,
-                                    const std::vector<std::uint8_t>& touched) {
+                                    const std::vector<std::uint8_t>& touched,
+                                    const std::vector<SampleState>& states) {
   const int side = block.side;
   std::vector<std::uint8_t> line(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
   bool any = false;
   for (int r = 0; r < side; ++r) {
-    const auto row =
-        touched.begin() + static_cast<std::ptrdiff_t>(block.row + r) * window.columns + block.column;
+    const std::size_t row =
+        static_cast<std::size_t>(block.row + r) * static_cast<std::size_t>(window.columns) +
+        static_cast<std::size_t>(block.column);
+    const auto between = [&](std::size_t a, std::size_t b) {
+      return touched[a] != touched[b] && states[a] != SampleState::none && states[b] != SampleState::none;
+    };
     for (int c = 0; c < side; ++c) {
-      const bool differs =
-          (c + 1 < side && row[c] != row[c + 1]) || (r + 1 < side && row[c] != row[c + window.columns]);
+      const std::size_t at = row + static_cast<std::size_t>(c);
+      const bool differs = (c + 1 < side && between(at, at + 1)) ||
+                           (r + 1 < side && between(at, at + static_cast<std::size_t>(window.columns)));
       line[static_cast<std::size_t>(r * side + c)] = differs ? 1 : 0;
       any = any || differs;
     }
@@ -135,7 +142,7 @@ void fit_borders(const SampleWindow& window, OverlaidSamples& samples, double to
   for (int row = 0; row + kSide + 2 * kAround <= window.rows; row += kSide) {
     for (int column = 0; column + kSide + 2 * kAround <= window.columns; column += kSide) {
       const Block block{column, row, kSide + 2 * kAround};
-      const std::vector<std::uint8_t> near = near_line(block, window, touched);
+      const std::vector<std::uint8_t> near = near_line(block, window, touched, samples.states);
       if (near.empty()) continue;
       if (posts.empty()) posts = posts_of(samples);
       const std::vector<float> fit = fitted(block, window, posts, before, tolerance_m, allowance_m);

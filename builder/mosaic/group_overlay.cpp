@@ -199,7 +199,8 @@ Result<OverlaidSamples> GroupOverlay::overlay(std::span<const std::size_t> layer
                                               int level) const {
   const SourceGroup& group = *layers_[layers.front()].group;
   const auto rest = layers.subspan(1);
-  const SampleWindow near = grown(window, kFitReach);
+  // A line lies between two samples, of which the nearer is within the fit's reach.
+  const SampleWindow near = grown(window, kFitReach + 1);
   if (covers_corners(group, bounds_of(near))) {
     const auto alone = sample_alone(layers.front(), near, level);
     if (!alone) return alone;
