@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::int64_t kBlock = kFitBlock;
 constexpr std::int64_t kHalo = kFitReach;
+constexpr double kRounding = 5e-4;  // metres: of samples in single precision
 
 std::int64_t rounded_down(std::int64_t at) {
   return at >= 0 ? at / kBlock * kBlock : -((-at + kBlock - 1) / kBlock) * kBlock;
@@ -19,17 +20,20 @@ struct Post {
   double x = 0;  // samples from the window's corner
   double y = 0;
   float height = 0;
+  float interval_m = 0;
 };
 
-std::vector<Post> posts_of(const OverlaidSamples& samples) {
+std::vector<Post> posts_of(const OverlaidSamples& samples, std::span<const double> intervals) {
   std::vector<Post> all;
-  for (const MeasuredPosts& posts : samples.posts) {
+  for (std::size_t k = 0; k < samples.posts.size(); ++k) {
+    const MeasuredPosts& posts = samples.posts[k];
+    const auto interval = static_cast<float>(intervals[k]);
     for (std::size_t r = 0; r < posts.ys.size(); ++r)
       for (std::size_t c = 0; c < posts.xs.size(); ++c) {
         const float height = posts.heights[r * posts.xs.size() + c];
-        if (!std::isnan(height)) all.push_back({posts.xs[c], posts.ys[r], height});
+        if (!std::isnan(height)) all.push_back({posts.xs[c], posts.ys[r], height, interval});
       }
-    for (const MeasuredPosts::Placed& p : posts.placed) all.push_back({p.x, p.y, p.height});
+    for (const MeasuredPosts::Placed& p : posts.placed) all.push_back({p.x, p.y, p.height, interval});
   }
   return all;
 }
@@ -84,7 +88,7 @@ std::vector<std::uint8_t> near_line(const Block& block, const SampleWindow& wind
 
 // The samples of the block, fitted; empty where nothing is to be done.
 std::vector<float> fitted(const Block& block, const SampleWindow& window, const std::vector<Post>& posts,
-                          const std::vector<float>& heights, double tolerance_m, double allowance_m) {
+                          const std::vector<float>& heights, double tolerance_m) {
   const auto side = static_cast<std::size_t>(block.side);
   std::vector<float> samples(side * side);
   for (int r = 0; r < block.side; ++r)
@@ -104,9 +108,14 @@ std::vector<float> fitted(const Block& block, const SampleWindow& window, const 
                          s * static_cast<double>(samples[corner + side + 1]);
     const double surface = (1 - t) * south + t * north;
     if (std::isnan(surface)) continue;  // beside the end of all groups
-    const bool within = std::abs(surface - static_cast<double>(p.height)) <= allowance_m;
+    const double missed = surface - static_cast<double>(p.height);
+    const auto interval = static_cast<double>(p.interval_m);
+    const double inside = std::max(0.0, interval - 2 * tolerance_m);
+    const bool within = std::abs(missed) <= interval + kRounding;
     off = off || !within;
-    equations.add(static_cast<std::int64_t>(corner), s, t, within ? static_cast<float>(surface) : p.height);
+    const double kept = within ? missed : std::clamp(missed, -inside, inside);
+    equations.add(static_cast<std::int64_t>(corner), s, t,
+                  static_cast<float>(static_cast<double>(p.height) + kept));
   }
   if (!off) return {};
   std::vector<bool> absent(samples.size());
@@ -134,7 +143,7 @@ SampleWindow fit_window(const SampleWindow& window) {
 }
 
 void fit_borders(const SampleWindow& window, OverlaidSamples& samples, double tolerance_m,
-                 double allowance_m) {
+                 std::span<const double> intervals) {
   constexpr int kSide = static_cast<int>(kBlock), kAround = static_cast<int>(kHalo);
   std::vector<Post> posts;
   const std::vector<float> before = samples.heights;
@@ -144,8 +153,8 @@ void fit_borders(const SampleWindow& window, OverlaidSamples& samples, double to
       const Block block{column, row, kSide + 2 * kAround};
       const std::vector<std::uint8_t> near = near_line(block, window, touched, samples.states);
       if (near.empty()) continue;
-      if (posts.empty()) posts = posts_of(samples);
-      const std::vector<float> fit = fitted(block, window, posts, before, tolerance_m, allowance_m);
+      if (posts.empty()) posts = posts_of(samples, intervals);
+      const std::vector<float> fit = fitted(block, window, posts, before, tolerance_m);
       if (fit.empty()) continue;
       for (int r = kAround; r < kAround + kSide; ++r) {
         for (int c = kAround; c < kAround + kSide; ++c) {

@@ -119,14 +119,14 @@ double GroupOverlay::Layer::margin() const {
 std::vector<std::size_t> GroupOverlay::reaching(const GeoBounds& bounds) const {
   std::vector<std::size_t> found;
   for (std::size_t k = 0; k < layers_.size(); ++k)
-    if (layers_[k].group->footprint().overlaps(bounds, layers_[k].reach())) found.push_back(k);
+    if (layers_[k].group->comes_within(bounds, layers_[k].reach())) found.push_back(k);
   return found;
 }
 
 std::vector<std::size_t> GroupOverlay::needed(const GeoBounds& bounds, int level, std::size_t first) const {
   std::vector<std::size_t> found;
   for (std::size_t k = first; k < layers_.size(); ++k)
-    if (layers_[k].level <= level && layers_[k].group->footprint().overlaps(bounds, layers_[k].margin()))
+    if (layers_[k].level <= level && layers_[k].group->comes_within(bounds, layers_[k].margin()))
       found.push_back(k);
   return found;
 }
@@ -223,7 +223,9 @@ Result<OverlaidSamples> GroupOverlay::overlay(std::span<const std::size_t> layer
   lay(*own, *rim, *overlaid);
   drop_losing_posts(layers, wide, *rim, *overlaid);
   overlaid->posts.insert(overlaid->posts.begin(), std::move(own->posts));
-  fit_borders(wide, *overlaid, tolerance_m_, allowance_m_);
+  std::vector<double> intervals;
+  for (const std::size_t k : layers) intervals.push_back(layers_[k].group->tolerance().interval_m);
+  fit_borders(wide, *overlaid, tolerance_m_, intervals);
   return cut(*overlaid, wide, window);
 }
 

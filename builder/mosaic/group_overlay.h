@@ -35,10 +35,9 @@ class GroupOverlay {
   };
 
   /// `layers`: the highest priority first; levels do not rise along them where they reach one another.
-  /// `tolerance_m`: how near to the posts the fit comes; posts that are within `allowance_m` stay as they
-  /// are.
-  GroupOverlay(std::vector<Layer> layers, double tolerance_m, double allowance_m)
-      : layers_(std::move(layers)), tolerance_m_(tolerance_m), allowance_m_(allowance_m) {}
+  /// `tolerance_m`: of the fit, see fit_borders().
+  GroupOverlay(std::vector<Layer> layers, double tolerance_m)
+      : layers_(std::move(layers)), tolerance_m_(tolerance_m) {}
 
   const std::vector<Layer>& layers() const { return layers_; }
 
@@ -71,7 +70,6 @@ class GroupOverlay {
 
   std::vector<Layer> layers_;
   double tolerance_m_;
-  double allowance_m_;
 };
 
 }  // namespace cairn

@@ -20,9 +20,8 @@ GeoBounds bounds_of(const SampleWindow& w) {
   return {w.lon_of(0), w.lat_of(0), w.lon_of(w.columns - 1), w.lat_of(w.rows - 1)};
 }
 
-// How near a fit at the border of two groups comes to their posts, and what it leaves as it is, as shares of
-// the error bound.
-constexpr double kTolerance = 0.1, kAllowance = 0.5;
+// How near a fit at the border of two groups comes to what it aims at, as a share of the error bound.
+constexpr double kTolerance = 0.1;
 
 }  // namespace
 
@@ -92,7 +91,7 @@ void Mosaic::overlay_groups(const MosaicOptions& options) {
       const auto& rectangles = groups_[below]->footprint().rectangles();
       const auto within = [&](double margin) {
         return std::any_of(rectangles.begin(), rectangles.end(),
-                           [&](const GeoBounds& r) { return groups_[g]->footprint().overlaps(r, margin); });
+                           [&](const GeoBounds& r) { return groups_[g]->comes_within(r, margin); });
       };
       if (within(0)) {
         lies_upon_any = true;
@@ -110,7 +109,7 @@ void Mosaic::overlay_groups(const MosaicOptions& options) {
                           lies_upon_any ? std::max(layer.fade_degrees, kStep) : 0);
   }
   const double bound = error_bounds().least_m;
-  overlay_.emplace(std::move(layers), kTolerance * bound, kAllowance * bound);
+  overlay_.emplace(std::move(layers), kTolerance * bound);
 }
 
 int Mosaic::finest_level() const {

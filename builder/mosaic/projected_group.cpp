@@ -85,6 +85,7 @@ ProjectedGroup::ProjectedGroup(RasterPool& pool, const Geoid* geoid, Grid grid, 
       blocks_(std::move(blocks)),
       number_(number) {
   assert(grid_.members.size() < PostBlock::kVoid - 1u);
+  is_projected_ = true;
   native_level_ = native_level;
   spacing_degrees_ = 1.0 / posts_per_degree(grid_.georeference, members_.hull());
   const int halvings = grid_.members.size() == 1 ? 3 : grid_.members.size() < 64 ? 2 : 0;
@@ -288,7 +289,8 @@ LonLat ProjectedGroup::nearest_to(LonLat place, const std::vector<IndexWindow>& 
   return rim;
 }
 
-NearestPlace ProjectedGroup::nearest_within(const GeoBounds& bounds, double margin) const {
+NearestPlace ProjectedGroup::nearest_within(const GeoBounds& area, double margin) const {
+  const GeoBounds bounds = widened(area, margin);
   const auto sample_of = [&](double degrees, double origin) {
     return static_cast<std::int64_t>(std::floor((degrees + origin) * samples_per_degree_));
   };

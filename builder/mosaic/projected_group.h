@@ -44,7 +44,7 @@ class ProjectedGroup final : public SourceGroup {
                  std::uint64_t number);
 
   void set_reach(double solid_degrees, double fade_degrees) override;
-  NearestPlace nearest_within(const GeoBounds& bounds, double margin) const override;
+  NearestPlace nearest_within(const GeoBounds& area, double margin) const override;
   Result<MeasuredPosts> posts(const SampleWindow& window) const override;
   Result<GroupSamples> sample(const SampleWindow& window) const override;
 

@@ -73,6 +73,13 @@ class SourceGroup {
   void set_void_distance(double posts) { void_posts_ = posts; }
   /// How smooth resampling keeps the posts. Before any sample() only.
   void set_tolerance(const SmoothTolerance& tolerance) { tolerance_ = tolerance; }
+  const SmoothTolerance& tolerance() const { return tolerance_; }
+
+  /// Whether the footprint comes within `margin` degrees of the area. Posts of a projected group are equally
+  /// far apart on the ground: towards a pole its margin takes in more degrees of longitude.
+  bool comes_within(const GeoBounds& area, double margin) const {
+    return footprint_.overlaps(is_projected_ ? widened(area, margin) : area, margin);
+  }
 
   /// The nearest place in the area of the group's posts, for places in `bounds` grown by `margin` degrees
   /// that are no farther than that from it; for others any place farther away. It refers to the group.
@@ -87,6 +94,10 @@ class SourceGroup {
   virtual Result<GroupSamples> sample(const SampleWindow& window) const = 0;
 
  protected:
+  /// The area, so much wider that `margin` degrees beyond it are as wide on the ground as they are high.
+  static GeoBounds widened(GeoBounds area, double margin);
+
+  bool is_projected_ = false;
   int native_level_ = 0;
   double spacing_degrees_ = 0;
   double samples_per_post_ = 1;

@@ -156,6 +156,12 @@ TEST_CASE("tiles share the samples of their edges where groups lie beside or upo
     check("finer upon", 2056, {first, {x + 30 * d, y - 30 * d, d / 2, 90, 90, turn, 20}});
     check("turned otherwise upon", 2056, {{x + 20 * d, y - 40 * d, d, 60, 60, turn + 31, 5}, first});
   }
+  // Beside a pole a degree of longitude is narrower than a post.
+  for (const int side : {29, 30}) {
+    const Patch polar{-100'000, -30'000, 300, 30, 30};
+    check("half a post beside", 3413, {polar, {-100'000 + (side + 0.5) * 300, -30'150, 300, 30, 30}});
+    check("finer beside", 3413, {polar, {-100'000 + side * 300.0, -30'000, 150, 60, 60}});
+  }
   const double d = 1 / 1234.0;
   const Patch first{10.01, 50.02, d, 150, 150};
   check("half a post beside", 4326, {first, {10.01 + 150.5 * d, 50.02 + d / 2, d, 100, 100}});
