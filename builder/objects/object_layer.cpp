@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <system_error>
 #include <unordered_map>
 #include <utility>
 
@@ -17,6 +18,7 @@
 #include "builder/objects/place_files.h"
 #include "builder/objects/place_store.h"
 #include "builder/objects/scatter.h"
+#include "cairn/object_placing.h"
 #include "format/ground_sampler.h"
 #include "format/height_block.h"
 #include "format/tile_number.h"
@@ -92,19 +94,12 @@ class PlaceSorter {
       number_ = *found;
       size_m_ = static_cast<double>((*model)->size_m);
     }
+    const TileObject placed = tile_object({place.at, place.heading_degrees, place.scale, size_m_},
+                                          ground_.pack.body, ground_.coarsest);
     StoredPlace stored;
-    PlacedObject& object = stored.object;
-    object.scale = static_cast<std::uint16_t>(std::clamp(std::lround(place.scale * 4096), 1L, 65535L));
-    const int level = object_level(size_m_ * object.scale_factor(), ground_.pack.body);
-    stored.tile = tile_at(place.at, std::max(level, ground_.coarsest));
-    const GeoBounds bounds = tile_bounds(stored.tile);
-    double lon = std::fmod(place.at.lon - bounds.west, 360.0);
-    if (lon < 0) lon += 360;
-    object.x = step_of(lon, bounds.width());
-    object.y = step_of(place.at.lat - bounds.south, bounds.height());
+    stored.tile = placed.tile;
+    PlacedObject& object = stored.object = placed.object;
     object.model = static_cast<std::uint16_t>(number_);
-    object.heading =
-        static_cast<std::uint16_t>(std::llround(place.heading_degrees * (65536.0 / 360)) & 0xFFFF);
     stored.is_absolute = place.is_absolute;
     if (place.is_absolute) stored.absolute_m = place.height_m;
     if (!place.is_absolute) {
@@ -120,10 +115,6 @@ class PlaceSorter {
   static constexpr double kMostQuanta = 1e9;
 
  private:
-  static std::uint16_t step_of(double degrees, double width) {
-    return static_cast<std::uint16_t>(std::clamp(std::floor(degrees / width * 65536), 0.0, 65535.0));
-  }
-
   ModelLibrary& library_;
   const Ground& ground_;
   PlaceStore& store_;
@@ -412,10 +403,13 @@ Status read_all_places(const ObjectOptions& options, const ObjectGround& pack, P
 }  // namespace
 
 std::vector<std::filesystem::path> files_of(const ObjectOptions& options) {
-  std::vector<std::filesystem::path> files;
-  if (options.places.empty()) return files;
+  std::vector<std::filesystem::path> files = options.places;
+  if (files.empty()) return files;
   for (const auto& place : options.places) {
-    for (auto& file : files_of_places(place)) files.push_back(std::move(file));
+    for (auto& file : files_of_places(place)) {
+      std::error_code ignored;
+      if (!std::filesystem::equivalent(file, place, ignored)) files.push_back(std::move(file));
+    }
   }
   for (auto& file : files_of_models(options.models)) files.push_back(std::move(file));
   return files;

@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "cairn/object_placing.h"
 #include "format/file.h"
 
 namespace cairn::viewer {
@@ -166,18 +167,10 @@ PlacedTiles placed_tiles(std::span<const Placement> placements,
         placed.unknown.push_back(placement.model);
       continue;
     }
-    PlacedObject object;
+    auto [tile, object] = tile_object({placement.at, placement.heading_deg, placement.scale,
+                                       static_cast<double>(models[number->second]->size_m())},
+                                      body);
     object.model = number->second;
-    object.scale = static_cast<std::uint16_t>(std::clamp(std::lround(placement.scale * 4096), 1L, 65535L));
-    object.heading = static_cast<std::uint16_t>(std::llround(placement.heading_deg / 360 * 65536) & 0xFFFF);
-    const double size_m = static_cast<double>(models[number->second]->size_m()) * object.scale_factor();
-    const TileId tile = tile_at(placement.at, object_level(size_m, body));
-    const GeoBounds bounds = tile_bounds(tile);
-    const auto along = [](double share) {
-      return static_cast<std::uint16_t>(std::clamp(std::floor(share * 65536), 0.0, 65535.0));
-    };
-    object.x = along(std::remainder(placement.at.lon - bounds.west, 360.0) / bounds.width());
-    object.y = along((placement.at.lat - bounds.south) / bounds.height());
     tiles[tile].objects.push_back(object);
     placed.slots_.push_back({tile, object, i});
   }

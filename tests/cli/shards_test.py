@@ -277,6 +277,14 @@ class Objects(InTemporaryFolder):
     def test_merged_parts_are_one_bake(self):
         Shards.check(self, [*self.arguments(), "--rqt", 4], [1, 2, 7])
 
+    def test_a_shapefile_in_shards_is_read_as_in_one_bake(self):
+        file = self.folder / "p.shp"
+        subprocess.run(["ogr2ogr", "-f", "ESRI Shapefile", file, "-dialect", "SQLite", "-sql",
+                        f"SELECT MakePoint(CAST(lon AS REAL), CAST(lat AS REAL), 4326), model FROM \"{self.files[0].stem}\"",
+                        self.files[0]], check=True, capture_output=True)
+        self.files = [file, self.files[1]]
+        Shards.check(self, self.arguments(), [2])
+
     only = Shards.only
 
     def test_a_merge_reads_objects_as_they_were_planned(self):
