@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
@@ -91,6 +93,23 @@ std::vector<ObjectFoot> object_feet(const SurfacePatch& patch, const SideVertice
   feet.reserve(objects.size());
   for (const StandingObject& object : objects) feet.push_back(finder.foot(object.placed));
   return feet;
+}
+
+ObjectCluster cluster_of(std::span<const StandingObject> objects, std::span<const ObjectFoot> feet) {
+  ObjectCluster cluster;
+  glm::dvec3 low(std::numeric_limits<double>::max()), high(std::numeric_limits<double>::lowest());
+  for (const ObjectFoot& foot : feet) {
+    low = glm::min(low, foot.place);
+    high = glm::max(high, foot.place);
+  }
+  if (!feet.empty()) cluster.middle = (low + high) * 0.5;
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    const double off = glm::length(feet[i].place - cluster.middle);
+    cluster.radius_m =
+        std::max(cluster.radius_m, static_cast<float>(off) + glm::length(feet[i].to_coarser) + 0.01F);
+    cluster.largest_m = std::max(cluster.largest_m, objects[i].size_m);
+  }
+  return cluster;
 }
 
 }  // namespace cairn

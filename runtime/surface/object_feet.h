@@ -35,4 +35,12 @@ ObjectPlace place_on_lattice(const TileId& tile, const PlacedObject& object);
 std::vector<ObjectFoot> object_feet(const SurfacePatch& patch, const SideVertices& sides, double quantum_m,
                                     const TileId& tile, std::span<const StandingObject> objects);
 
+/// A sphere around the feet of some objects, and the size of the largest.
+struct ObjectCluster {
+  glm::dvec3 middle{0};  ///< geocentric, metres
+  float radius_m = 0;    ///< also while the feet glide
+  float largest_m = 0;
+};
+ObjectCluster cluster_of(std::span<const StandingObject> objects, std::span<const ObjectFoot> feet);
+
 }  // namespace cairn

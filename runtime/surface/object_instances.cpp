@@ -46,7 +46,7 @@ class Chooser {
 
   void add(const ObjectPatch& patch) {
     const float share = arrivals_.share_of(*patch.objects);
-    if (share <= 0) return;
+    if (share <= 0 || !may_be_seen(patch.cluster)) return;
     std::vector<std::size_t>& uses = uses_of(*patch.objects);
     for (std::size_t i = 0; i < patch.feet.size(); ++i) {
       const StandingObject& object = patch.standing[i];
@@ -89,6 +89,13 @@ class Chooser {
   }
 
  private:
+  bool may_be_seen(const ObjectCluster& cluster) const {
+    const auto from_eye = glm::vec3(cluster.middle - camera_.position);
+    const float farthest = cluster.largest_m * farthest_per_m_ + cluster.radius_m;
+    if (glm::dot(from_eye, from_eye) >= farthest * farthest) return false;
+    return in_picture(from_eye, cluster.radius_m + static_cast<float>(kReachPerSize) * cluster.largest_m);
+  }
+
   bool in_picture(const glm::vec3& from_eye, float reach_m) const {
     return std::all_of(inward_.begin(), inward_.end(),
                        [&](const glm::vec3& normal) { return glm::dot(from_eye, normal) >= -reach_m; });

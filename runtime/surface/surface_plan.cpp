@@ -111,7 +111,8 @@ void SurfaceMesher::place_objects(const ObjectScene& scene, const SurfaceRules& 
         std::find_if(feet.begin(), feet.end(), [&](const KeptFeet& k) { return k.objects == tile; });
     const auto at = static_cast<std::size_t>(known - feet.begin());
     const bool is_fresh = known == feet.end();
-    if (is_fresh) feet.push_back({tile, is_whole ? tile->all() : tile->inside(patches[i].area), {}, frame_});
+    if (is_fresh)
+      feet.push_back({tile, is_whole ? tile->all() : tile->inside(patches[i].area), {}, frame_, {}});
     feet[at].used = frame_;
     if (!feet[at].standing.empty()) work.push_back({i, at, is_fresh});
   };
@@ -130,11 +131,12 @@ void SurfaceMesher::place_objects(const ObjectScene& scene, const SurfaceRules& 
     KeptFeet& kept = shown[item.patch]->feet[item.kept];
     kept.feet = object_feet(patches[item.patch], plan.joints.sides[item.patch], scene.quantum_m,
                             kept.objects->tile(), kept.standing);
+    kept.cluster = cluster_of(kept.standing, kept.feet);
   });
   for (const Work& item : work) {
     const KeptFeet& kept = shown[item.patch]->feet[item.kept];
-    object_patches_.push_back(
-        {kept.objects.get(), kept.standing, kept.feet, patches[item.patch].surface.coarser_share()});
+    object_patches_.push_back({kept.objects.get(), kept.standing, kept.feet,
+                               patches[item.patch].surface.coarser_share(), kept.cluster});
   }
 }
 

@@ -40,6 +40,7 @@ struct ObjectPatch {
   std::span<const StandingObject> standing;
   std::span<const ObjectFoot> feet;
   float coarser_share = 0;  ///< of the patch, see SurfaceDraw
+  ObjectCluster cluster;
 };
 
 /// Makes the meshes of frames, and keeps those of patches from frame to frame: a frame makes what is new.
@@ -82,6 +83,7 @@ class SurfaceMesher {
     std::span<const StandingObject> standing;
     std::vector<ObjectFoot> feet;
     std::uint64_t used = 0;  // the last frame
+    ObjectCluster cluster;
   };
   struct Kept {
     std::uint32_t first_vertex = 0;
