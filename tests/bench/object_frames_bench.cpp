@@ -104,11 +104,11 @@ TEST_CASE("frames against the number of objects") {
   REQUIRE(target.ok());
   for (const std::size_t count :
        {std::size_t{0}, std::size_t{5160}, std::size_t{20000}, std::size_t{153816}}) {
+    const TempDir dir;
+    const auto path = dir.path() / "cell.cairn";
+    write_cell(path, std::max<std::size_t>(count, 1));
     for (const double object_px : {2.0, 1.0, kFineObject_px}) {
       if (count < 153816 && object_px < 2) continue;
-      const TempDir dir;
-      const auto path = dir.path() / "cell.cairn";
-      write_cell(path, std::max<std::size_t>(count, 1));
       viewer::Options options;
       options.pack = path;
       options.object_px = object_px;
