@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -54,6 +55,7 @@ void declare_common(CLI::App& app, Options& o) {
          "tolerance, with the ring of tiles around the eye; error: without the ring")
       ->check(CLI::IsMember({"map", "error"}));
   app.add_flag("--roughness", o.lod.roughness, "quadtree: split rough ground further");
+  app.add_flag("--geomorph", o.lod.geomorph, "block: change heights gradually from level to level");
   app.add_flag("--angle-compensation", o.lod.angle_compensation, "quadtree: split less when looking ahead");
 }
 
@@ -118,20 +120,28 @@ Error unknown_method(const std::string& name) {
   return usage_error("method: expected one of " + names + ", found \"" + name + "\"");
 }
 
-/// `all` has quadtree with its options too.
-Result<std::vector<Contender>> contenders_of(const Options& o) {
+/// Every method, and the methods that have options with them too.
+std::vector<Contender> all_contenders() {
   std::vector<Contender> contenders;
-  if (o.methods == "all") {
-    for (const LodMethodInfo* method : lod_methods())
-      contenders.push_back({std::string(method->name), method, {}});
-    contenders.push_back({"quadtree+rough", lod_method("quadtree"), {true, false}});
-    contenders.push_back({"quadtree+rough+angle", lod_method("quadtree"), {true, true}});
-    return contenders;
-  }
+  for (const LodMethodInfo* method : lod_methods())
+    contenders.push_back({std::string(method->name), method, {}});
+  contenders.push_back({"quadtree+rough", lod_method("quadtree"), {true, false, false}});
+  contenders.push_back({"quadtree+rough+angle", lod_method("quadtree"), {true, true, false}});
+  contenders.push_back({"block+morph", lod_method("block"), {false, false, true}});
+  return contenders;
+}
+
+/// A name with a + brings its options; others take those of the command line.
+Result<std::vector<Contender>> contenders_of(const Options& o) {
+  std::vector<Contender> all = all_contenders();
+  if (o.methods == "all") return all;
+  std::vector<Contender> contenders;
   for (const std::string& name : words_of(o.methods)) {
-    const LodMethodInfo* method = lod_method(name);
-    if (!method) return unknown_method(name);
-    contenders.push_back({name, method, o.lod});
+    const auto known =
+        std::find_if(all.begin(), all.end(), [&](const Contender& c) { return c.label == name; });
+    if (known == all.end()) return unknown_method(name);
+    contenders.push_back(*known);
+    if (name == known->method->name) contenders.back().options = o.lod;
   }
   return contenders;
 }

@@ -38,7 +38,7 @@ class GeoMip : public LodMethod {
           tile_width_degrees(tile.source.level) / (scene.tile_size - 1) * scene.ellipsoid.equator_degree_m();
       const double min_m = spacing_m * screen.pixels_per_radian() / (kPixels * view.tolerance_px);
       const double distance_m = glm::distance(screen.camera().position, patch.volume.centre);
-      return step_at(distance_m, min_m, patch.cells);
+      return PatchDetail{step_at(distance_m, min_m, patch.cells)};
     });
   }
 

@@ -15,6 +15,7 @@ namespace cairn {
 struct LodOptions {
   bool roughness = false;           ///< quadtree: d2 of Melkisetoğlu 2005, eq. 5.6
   bool angle_compensation = false;  ///< quadtree: C_N of Melkisetoğlu 2005, eq. 5.9
+  bool geomorph = false;            ///< block: heights change gradually (Melkisetoğlu 2005, §3.3 and §4.4)
 };
 
 /// A method, used for one flight by one thread. A mesh depends only on the scene and the view, unless the

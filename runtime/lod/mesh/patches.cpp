@@ -125,19 +125,20 @@ class PatchMesher {
   void append(std::size_t index, LodTileMesh& mesh) const {
     const ChosenPatch& chosen = chosen_[index];
     const TileWindow window(scene_, scene_.tiles[chosen.tile]);
-    const int step = 1 << chosen.step, side = chosen.patch->cells / step + 1;
-    const std::array<int, 4> joined{step_beside(index, 0, -1), step_beside(index, 0, 1),
-                                    step_beside(index, -1, 0), step_beside(index, 1, 0)};
+    const int step = 1 << chosen.detail.step, side = chosen.patch->cells / step + 1;
+    const std::array<Rim, 4> rims{rim_beside(index, 0, -1), rim_beside(index, 0, 1), rim_beside(index, -1, 0),
+                                  rim_beside(index, 1, 0)};
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     std::vector<std::uint32_t> numbers;
     for (int r = 0; r < side; ++r) {
       for (int c = 0; c < side; ++c) {
         int column = c * step, row = r * step;
-        if (r == 0) column = moved(column, joined[0]);
-        if (r == side - 1) column = moved(column, joined[1]);
-        if (c == 0) row = moved(row, joined[2]);
-        if (c == side - 1) row = moved(row, joined[3]);
-        mesh.vertices.push_back(window.vertex(chosen.patch->column + column, chosen.patch->row + row));
+        Rim at{step, chosen.detail.morph};
+        if (r == 0) column = moved(column, (at = rims[0]).step);
+        if (r == side - 1) column = moved(column, (at = rims[1]).step);
+        if (c == 0) row = moved(row, (at = rims[2]).step);
+        if (c == side - 1) row = moved(row, (at = rims[3]).step);
+        mesh.vertices.push_back(morphed(window, *chosen.patch, column, row, at));
         numbers.push_back(first + number_of(column / step, row / step, side));
       }
     }
@@ -161,20 +162,40 @@ class PatchMesher {
     return canonical(window.point(chosen.patch->column, chosen.patch->row));
   }
 
-  /// Returns the spacing, in samples, of the vertices that this patch and the one beside it have in common.
-  int step_beside(std::size_t index, int dx, int dy) const {
+  /// The vertices that a patch and the one beside it have in common.
+  struct Rim {
+    int step;  ///< in samples
+    double morph;
+  };
+
+  Rim rim_beside(std::size_t index, int dx, int dy) const {
     const ChosenPatch& mine = chosen_[index];
     const TileWindow window(scene_, scene_.tiles[mine.tile]);
     LatticePoint corner = corner_of(mine);
     corner.x = (corner.x + dx * mine.patch->cells * window.spacing() + kLatticeAround) % kLatticeAround;
     corner.y += dy * mine.patch->cells * window.spacing();
-    const int own = 1 << mine.step;
+    const int own = 1 << mine.detail.step;
     const auto it = by_corner_.find(corner);
-    if (it == by_corner_.end()) return own;
+    if (it == by_corner_.end()) return {own, 0};
     const ChosenPatch& other = chosen_[it->second];
     const TileWindow beside(scene_, scene_.tiles[other.tile]);
-    const bool alike = other.patch->cells == mine.patch->cells && beside.spacing() == window.spacing();
-    return alike ? std::max(own, 1 << other.step) : own;
+    if (other.patch->cells != mine.patch->cells || beside.spacing() != window.spacing()) return {own, 0};
+    if (other.detail.step == mine.detail.step) return {own, std::max(mine.detail.morph, other.detail.morph)};
+    const PatchDetail& coarser = other.detail.step > mine.detail.step ? other.detail : mine.detail;
+    return {1 << coarser.step, coarser.morph};
+  }
+
+  /// Returns the vertex with the height between its own and that of the next coarser grid, whose diagonals
+  /// run from south-west to north-east. A patch's corners are in all of its grids.
+  static LodVertex morphed(const TileWindow& window, const Patch& patch, int column, int row,
+                           const Rim& rim) {
+    const int c = patch.column + column, r = patch.row + row;
+    LodVertex vertex = window.vertex(c, r);
+    if (rim.morph <= 0 || 2 * rim.step > patch.cells) return vertex;
+    const int dx = column & rim.step, dy = row & rim.step;
+    const double coarse_m = (window.height_m(c - dx, r - dy) + window.height_m(c + dx, r + dy)) / 2;
+    vertex.height_m += rim.morph * (coarse_m - vertex.height_m);
+    return vertex;
   }
 
   /// A grid's strip is made once per size, as Vaněk & Ježek (2004) precompute one index buffer per level.
@@ -199,7 +220,7 @@ void append_patches(const LodScene& scene, std::span<const ChosenPatch> chosen, 
       mesh.tiles.push_back({chosen[i].tile, {}, {}});
     }
     mesher.append(i, mesh.tiles.back());
-    const int side = (chosen[i].patch->cells >> chosen[i].step) + 1;
+    const int side = (chosen[i].patch->cells >> chosen[i].detail.step) + 1;
     for (const IndexForm form : {IndexForm::list, IndexForm::strip, IndexForm::degenerate_strip}) {
       mesh.count(form, grid_index_count(form, side, side));
     }

@@ -50,11 +50,17 @@ class Patches {
 /// one plus the sagitta of the Earth's curvature over a cell, R(δφ²+δλ²cos²φ)/8.
 std::vector<float> patch_errors_m(const LodScene& scene, const LodTile& tile, const Patch& patch, int steps);
 
-/// A patch to draw with every 2^step-th sample.
+/// How a patch is drawn: with every 2^step-th sample. `morph` is the share, 0 to 1, that the surface of every
+/// 2^(step+1)-th one has in its heights.
+struct PatchDetail {
+  int step = 0;
+  double morph = 0;
+};
+
 struct ChosenPatch {
   std::size_t tile = 0;  ///< in the scene
   const Patch* patch = nullptr;
-  int step = 0;
+  PatchDetail detail;
 };
 
 /// Appends the patches' grids, grouped by tile. REQUIRES: `chosen` is in ascending order of tiles.
@@ -62,20 +68,24 @@ struct ChosenPatch {
 /// Where two patches of one size and spacing meet, within a tile or across tiles, the finer one's vertices
 /// that the coarser one lacks are moved onto the nearest that it has, so that edge triangles collapse (Vaněk
 /// & Ježek 2004, fig. 4). To leave these vertices out gives equal triangles (Agrawal et al. 2006, fig. 3).
-/// Patches of different sizes are left to remove_t_junctions().
+/// Patches of different sizes are left to remove_t_junctions(). On a common side of patches of one step the
+/// larger morph counts, of different steps that of the coarser patch, and beside a patch of another size
+/// none.
 void append_patches(const LodScene& scene, std::span<const ChosenPatch> chosen, LodMesh& mesh);
 
-/// Returns the mesh of all patches that may be visible, each with the step that step_of(tile, patch) returns.
-template <class StepOf>
+/// Returns the mesh of all patches that may be visible, each with the PatchDetail that detail_of(tile, patch)
+/// returns.
+template <class DetailOf>
 LodMesh mesh_of_patches(const LodScene& scene, const LodView& view, const Patches& patches,
-                        const StepOf& step_of) {
+                        const DetailOf& detail_of) {
   const auto choose = [&] {
     const ViewFrustum frustum(view.view, Occluder(scene.lowest_m, scene.ellipsoid));
     std::vector<ChosenPatch> chosen;
     for (const std::size_t index : tiles_in_view(scene, view)) {
       const LodTile& tile = scene.tiles[index];
       for (const Patch& patch : patches.of(tile)) {
-        if (!view.cull || frustum.sees(patch.volume)) chosen.push_back({index, &patch, step_of(tile, patch)});
+        if (!view.cull || frustum.sees(patch.volume))
+          chosen.push_back({index, &patch, detail_of(tile, patch)});
       }
     }
     return chosen;

@@ -18,7 +18,7 @@ void check_random_cameras(const LodMethodInfo& method, LodScenes& scenes, int ca
   for (int i = 0; i < cameras; ++i) {
     const LonLat place = kPlaces[static_cast<std::size_t>(i) % kPlaces.size()];
     const LodScene scene = scenes.around(place, random);
-    const auto lod = method.create({random() % 2 == 0, random() % 2 == 0});
+    const auto lod = method.create({random() % 2 == 0, random() % 2 == 0, random() % 2 == 0});
     lod->prepare(scene);
     const double tolerance_px = std::exp2(static_cast<int>(random() % 7) - 2);
     const LodMesh mesh = lod->build(scene, {random_view(place, random), tolerance_px, false});

@@ -70,7 +70,8 @@ double height_on(const LodMesh& mesh, const LatticePoint& p) {
 
 /// The largest change of height at fixed places from one frame to the next, on a way of 0.004° in so many
 /// steps.
-double largest_jump_m(const char* method, const LodScene& scene, int steps) {
+double largest_jump_m(const char* method, bool geomorph, double tolerance_px, const LodScene& scene,
+                      int steps) {
   std::mt19937 random(5);
   std::vector<LatticePoint> places;
   for (int i = 0; i < 30; ++i) {
@@ -79,13 +80,13 @@ double largest_jump_m(const char* method, const LodScene& scene, int steps) {
     places.push_back({static_cast<std::int64_t>(std::ldexp(lon + 180, kLatticeLevel)),
                       static_cast<std::int64_t>(std::ldexp(lat + 90, kLatticeLevel))});
   }
-  const auto lod = lod_method(method)->create({});
+  const auto lod = lod_method(method)->create({false, false, geomorph});
   lod->prepare(scene);
   std::vector<double> before;
   double largest = 0;
   for (int step = 0; step <= steps; ++step) {
     const LonLat eye{kMiddle.lon + 0.004 * step / steps, kMiddle.lat + 0.002 * step / steps};
-    const LodMesh mesh = lod->build(scene, {view_at(eye, 1500), 8, false});
+    const LodMesh mesh = lod->build(scene, {view_at(eye, 1500), tolerance_px, false});
     for (std::size_t i = 0; i < places.size(); ++i) {
       const double height_m = height_on(mesh, places[i]);
       if (step == 0) {
@@ -99,16 +100,26 @@ double largest_jump_m(const char* method, const LodScene& scene, int steps) {
   return largest;
 }
 
-TEST_CASE("The surfaces of cdlod and clipmap move continuously with the camera, that of geomip jumps",
-          "[slow]") {
+TEST_CASE("Continuous methods move with the camera, discrete ones jump", "[slow]") {
   const LodScene scene = scene_of(false);
-  for (const char* method : {"cdlod", "clipmap", "geomip"}) {
-    const double coarse = largest_jump_m(method, scene, 3), fine = largest_jump_m(method, scene, 48);
-    CAPTURE(method, coarse, fine);
+  const auto is_continuous = [&](const char* method, bool geomorph, double tolerance_px) {
+    const double coarse = largest_jump_m(method, geomorph, tolerance_px, scene, 3);
+    const double fine = largest_jump_m(method, geomorph, tolerance_px, scene, 48);
+    CAPTURE(method, geomorph, coarse, fine);
     CHECK(coarse > 0);
-    const bool is_continuous = std::string(method) != "geomip";
-    CHECK((fine < coarse / 5) == is_continuous);
-  }
+    CHECK(fine > 0);
+    return fine < coarse / 5;
+  };
+  CHECK(is_continuous("cdlod", false, 8));
+  CHECK(is_continuous("clipmap", false, 8));
+  CHECK_FALSE(is_continuous("block", false, 0.5));
+  CHECK_FALSE(is_continuous("geomip", false, 8));
+}
+
+// What is left is beside coarser blocks, where a change of level joins other vertices.
+TEST_CASE("Geomorphing leaves less than a quarter of the jumps of block") {
+  const LodScene scene = scene_of(false);
+  CHECK(largest_jump_m("block", true, 0.5, scene, 48) < largest_jump_m("block", false, 0.5, scene, 48) / 4);
 }
 
 TEST_CASE("clipmap takes as many triangles over hills as over a plain") {
