@@ -66,15 +66,21 @@ std::vector<ShardTiles> cut(const std::vector<Unit>& units, int top,
   return shards;
 }
 
-// Where each shard begins on the curve: after an equal share of the leaves.
-std::vector<std::uint64_t> places_between(std::vector<Unit> units, std::size_t shards) {
-  std::sort(units.begin(), units.end(), [](const Unit& a, const Unit& b) { return a.place < b.place; });
+// Where each shard begins on the curve: after an equal share of the leaves of both layers, each of whose
+// units are in the order of the curve.
+std::vector<std::uint64_t> places_between(const std::vector<Unit>& heights, const std::vector<Unit>& images,
+                                          std::size_t shards) {
   std::uint64_t all = 0;
-  for (const Unit& unit : units) all += unit.leaves;
+  for (const std::vector<Unit>* units : {&heights, &images})
+    for (const Unit& unit : *units) all += unit.leaves;
   std::vector<std::uint64_t> first_places(shards, UINT64_MAX);
   std::uint64_t before = 0;
   std::size_t shard = 0;
-  for (const Unit& unit : units) {
+  auto height = heights.begin(), image = images.begin();
+  while (height != heights.end() || image != images.end()) {
+    const bool is_height =
+        image == images.end() || (height != heights.end() && height->place <= image->place);
+    const Unit& unit = is_height ? *height++ : *image++;
     // A unit belongs to the shard in whose share its middle lies.
     const double middle = static_cast<double>(before) + static_cast<double>(unit.leaves) / 2;
     const auto own = std::min(shards - 1, static_cast<std::size_t>(middle * static_cast<double>(shards) /
@@ -90,9 +96,7 @@ std::vector<std::uint64_t> places_between(std::vector<Unit> units, std::size_t s
 DividedTiles divide_tiles(const TileTree* heights, const TileTree* imagery, std::size_t shards) {
   const std::vector<Unit> height_units = units_with_leaves(heights);
   const std::vector<Unit> image_units = units_with_leaves(imagery);
-  std::vector<Unit> all = height_units;
-  all.insert(all.end(), image_units.begin(), image_units.end());
-  const std::vector<std::uint64_t> first_places = places_between(std::move(all), shards);
+  const std::vector<std::uint64_t> first_places = places_between(height_units, image_units, shards);
   return {cut(height_units, heights != nullptr ? heights->top() : 0, first_places),
           cut(image_units, imagery != nullptr ? imagery->top() : 0, first_places)};
 }
