@@ -87,10 +87,11 @@ double metres_of_unit(std::string_view name) {
   for (const char c : name)
     if (std::isalnum(static_cast<unsigned char>(c)) != 0)
       spelt += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  for (const std::string_view metre : {"", "m", "metre", "meter", "metres", "meters", "mtr"})
+  for (const std::string_view metre :
+       {"", "unspecified", "unknown", "m", "metre", "meter", "metres", "meters", "mtr"})
     if (spelt == metre) return 1;
-  for (const std::string_view foot :
-       {"ft", "foot", "feet", "internationalfoot", "internationalfeet", "footintl", "ftintl", "ift"})
+  for (const std::string_view foot : {"ft", "foot", "feet", "internationalfoot", "internationalfeet",
+                                      "footinternational", "feetinternational", "footintl", "ftintl", "ift"})
     if (spelt == foot) return metres_of_unit(9002);
   for (const std::string_view foot : {"ussurveyfoot", "ussurveyfeet", "usft", "ftus", "sfoot", "surveyfoot",
                                       "surveyfeet", "footus", "feetus", "usfoot", "usfeet"})

@@ -16,13 +16,27 @@ Status check_band(const std::filesystem::path& path, int bands, const SourceOver
                               bands == 1 ? "" : "s"));
 }
 
+VerticalReference vertical_reference(const VerticalCrs& crs) {
+  if (crs.is_ellipsoidal) return {crs.name, VerticalDatum::ellipsoid};
+  return vertical_reference_named(crs.name);
+}
+
+void apply_vertical_crs(const VerticalCrs& crs, HeightTags& tags) {
+  if (!tags.unit.empty()) return;
+  tags.metres = crs.metres;
+  if (crs.metres == 0) tags.unit = "the vertical CRS " + crs.name + ", which counts downwards";
+}
+
 void apply_overrides(const SourceOverrides& overrides, HeightTags& tags) {
   if (overrides.nodata) tags.nodata = overrides.nodata;
   tags.scale = overrides.scale.value_or(tags.scale);
   tags.offset = overrides.offset.value_or(tags.offset);
-  if (!overrides.unit) return;
-  tags.unit = *overrides.unit;
-  tags.metres = metres_of_unit(tags.unit);
+  if (overrides.unit) {
+    tags.unit = *overrides.unit;
+    tags.metres = metres_of_unit(tags.unit);
+  } else if (overrides.crs && overrides.crs->find_first_of("+[") != std::string::npos) {
+    if (const auto vertical = find_vertical_crs(*overrides.crs)) apply_vertical_crs(*vertical, tags);
+  }
 }
 
 Result<HeightEncoding> height_encoding_of(const std::filesystem::path& path, SampleType type,

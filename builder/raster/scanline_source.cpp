@@ -119,6 +119,9 @@ Result<std::unique_ptr<RasterSource>> open_scanline_raster(const char* format,
     return bad_data(path.string() + ": expected no mask or georeference in a side-car, found one");
   HeightTags tags;
   apply_pam(pam, tags);
+  std::optional<VerticalCrs> vertical;
+  if (!options.overrides.crs) vertical = vertical_crs_beside(path);
+  if (vertical) apply_vertical_crs(*vertical, tags);
   apply_overrides(options.overrides, tags);
   const auto encoding = height_encoding_of(path, header.type, tags);
   if (!encoding) return encoding.error();
@@ -132,6 +135,7 @@ Result<std::unique_ptr<RasterSource>> open_scanline_raster(const char* format,
   info.whole_metres = encoding->whole_metres();
   info.nodata = encoding->nodata;
   info.unit = tags.unit;
+  if (vertical) info.vertical = vertical_reference(*vertical);
   info.overrides = options.overrides;
   const auto georeference = georeference_beside(path, info.columns, info.rows, options);
   if (!georeference) return georeference.error();

@@ -27,7 +27,10 @@ constexpr std::array kKnown = {Known{5773, "EGM96 height", VerticalDatum::egm96}
 }  // namespace
 
 // Heights are metres once they are read, so the unit in a CRS's name is none of the datum's.
-VerticalReference vertical_reference_named(std::string_view name) {
+VerticalReference vertical_reference_named(std::string_view given) {
+  std::string spaced(given);  // ESRI: "NAVD88_height_(ftUS)"
+  std::replace(spaced.begin(), spaced.end(), '_', ' ');
+  std::string_view name = spaced;
   for (const std::string_view unit : {" (ft)", " (ftUS)", " (m)"})
     if (name.ends_with(unit)) name.remove_suffix(unit.size());
   const bool is_egm96 = name.find("EGM96") != std::string_view::npos;

@@ -209,6 +209,17 @@ bool set_crs_of_wkt(Georeference& g, std::string_view wkt) {
   return true;
 }
 
+// ESRI appends the vertical CRS to the horizontal one, behind a comma.
+std::optional<VerticalCrs> vertical_crs_beside(const fs::path& image) {
+  const auto prj = find_beside(image, {".prj"});
+  if (!prj) return std::nullopt;
+  const std::string wkt = read_text(*prj);
+  if (upper(wkt).find("VERT") == std::string::npos) return std::nullopt;
+  const std::string_view first = first_element(wkt);
+  const std::size_t appended = wkt.find_first_not_of(", \t\r\n", first.size());
+  return find_vertical_crs(appended == std::string::npos ? wkt : wkt.substr(appended));
+}
+
 Status read_prj_beside(const fs::path& image, Georeference& g) {
   const auto prj = find_beside(image, {".prj"});
   if (!prj) return {};

@@ -24,6 +24,9 @@ bool set_crs_of_wkt(Georeference& georeference, std::string_view wkt);
 /// The name that a WKT text gives its CRS, for messages.
 std::string_view name_of_wkt(std::string_view wkt);
 
+/// The vertical part of the CRS of the .prj beside the image, OGC's or ESRI's. nullopt where there is none.
+std::optional<VerticalCrs> vertical_crs_beside(const std::filesystem::path& image);
+
 /// The CRS of the .prj beside the image, where there is one, else geographic.
 Status read_prj_beside(const std::filesystem::path& image, Georeference& georeference);
 

@@ -196,6 +196,9 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   if (!georeference) return georeference.error();
   HeightTags height = height_tags_of(tags, band);
   apply_pam(pam, height);
+  std::optional<VerticalCrs> vertical;
+  if (!tags.has_crs() && !options.overrides.crs) vertical = vertical_crs_beside(path);
+  if (vertical) apply_vertical_crs(*vertical, height);
   apply_overrides(options.overrides, height);
   auto encoding = height_encoding_of(path, layout.type, height);
   auto mask = open_mask(path, layout, has_more_directories, options);
@@ -211,7 +214,7 @@ Result<std::unique_ptr<RasterSource>> open(const fs::path& path, const OpenOptio
   info.georeference = *georeference;
   info.nodata = height.nodata;
   info.unit = height.unit;
-  info.vertical = vertical_reference_of(tags);
+  info.vertical = vertical ? vertical_reference(*vertical) : vertical_reference_of(tags);
   info.overrides = options.overrides;
   if (auto placed = place_raster(info); !placed) return placed.error();
   std::unique_ptr<RasterSource> source = std::make_unique<GeoTiffSource>(std::move(info), std::move(encoding),

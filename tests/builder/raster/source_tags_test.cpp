@@ -159,8 +159,9 @@ TEST_CASE("units are known in any case, as the band says") {
     write_tiff(path, recipe);
     return static_cast<double>(all_heights(*opened(path))[0]);
   };
-  for (const char* metre : {"m", "M", "Metre", "METERS", "meter"}) CHECK(height_in(metre) == 1000);
-  for (const char* foot : {"ft", "FT", "Foot", "FEET", "International Foot"})
+  for (const char* metre : {"m", "M", "Metre", "METERS", "meter", "unspecified"})
+    CHECK(height_in(metre) == 1000);
+  for (const char* foot : {"ft", "FT", "Foot", "FEET", "International Foot", "foot (International)"})
     CHECK(height_in(foot) == static_cast<float>(1000 * kFoot));
   for (const char* foot : {"US survey foot", "US_Survey_Foot", "ftUS", "us-ft", "Foot_US"})
     CHECK(height_in(foot) == static_cast<float>(1000 * kSurveyFoot));
@@ -180,6 +181,39 @@ TEST_CASE("where a format has no units of bands, the vertical CRS says the heigh
       return;
     CHECK(all_heights(*opened(at + "x.img"))[0] == static_cast<float>(1000 * metres));
   }
+}
+
+TEST_CASE("a .prj with a vertical CRS, OGC's or ESRI's, says the heights' unit and reference") {
+  const TempDir folder;
+  const auto path = folder.path() / "x.tif";
+  TiffRecipe recipe = level_ground(1000);
+  recipe.keys.clear();
+  recipe.pixel_scale.clear();
+  recipe.tiepoint.clear();
+  write_tiff(path, recipe);
+  write_text(folder.path() / "x.tfw", "0.01 0 0 -0.01 -105 40");
+  const std::string plane =
+      "GEOGCS[\"GCS_North_American_1983\",DATUM[\"D_North_American_1983\",SPHEROID[\"GRS_1980\",6378137.0,"
+      "298.257222101]],PRIMEM[\"Greenwich\",0.0],UNIT[\"Degree\",0.0174532925199433]]";
+  const auto height_with = [&](const std::string& prj) {
+    write_text(folder.path() / "x.prj", prj);
+    return static_cast<double>(all_heights(*opened(path))[0]);
+  };
+  CHECK(height_with(plane) == 1000);
+  CHECK_FALSE(opened(path)->info().vertical);
+  const std::string esri =
+      "VERTCS[\"NAVD88_height_(ftUS)\",VDATUM[\"North_American_Vertical_Datum_1988\"],"
+      "PARAMETER[\"Vertical_Shift\",0.0],PARAMETER[\"Direction\",1.0],UNIT[\"Foot_US\",0.3048006096012192]]";
+  for (const char* between : {",", ", \r\n"}) {
+    CHECK(height_with(plane + between + esri) == Approx(1000 * kSurveyFoot));
+    CHECK(opened(path)->info().vertical->name == "NAVD88 height");
+  }
+  const std::string ogc =
+      "VERT_CS[\"NAVD88 height (ft)\",VERT_DATUM[\"North American Vertical Datum 1988\",2005],"
+      "UNIT[\"foot\",0.3048],AXIS[\"Gravity-related height\",UP]]";
+  CHECK(height_with("COMPD_CS[\"both\"," + plane + "," + ogc + "]") == Approx(1000 * kFoot));
+  CHECK(opened(path)->info().vertical->name == "NAVD88 height");
+  CHECK(static_cast<double>(all_heights(*opened(path, with({.unit = "m"})))[0]) == 1000);
 }
 
 TEST_CASE("an image's unit is not looked at, that of heights is") {
@@ -255,6 +289,8 @@ TEST_CASE("a CRS that the user names takes the place of the file's, also of one 
   CHECK(bern->info().bounds.north == Approx(46.951).margin(0.001));
   const auto with_heights = opened(path, with({.crs = "EPSG:2056+5728"}));
   CHECK(with_heights->info().vertical->name == "LN02 height");
+  CHECK(static_cast<double>(all_heights(*opened(path, with({.crs = "EPSG:2231+6360"})))[0]) ==
+        Approx(kSurveyFoot));
   CHECK(complaint_of(path, with({.crs = "EPSG:1"})).find("CRS: expected one that PROJ knows") !=
         std::string::npos);
 }
