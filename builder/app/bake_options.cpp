@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "builder/app/one_of.h"
+#include "builder/app/region_argument.h"
 #include "builder/bake/memory_budget.h"
 #include "builder/raster/source_overrides.h"
 
@@ -25,6 +26,14 @@ Status use_bounds(const char* option, const std::vector<double>& numbers, std::o
         fmt::format("{}: expected W<E and S<N in degrees, found {}", option, fmt::join(numbers, ",")));
   }
   out = bounds;
+  return {};
+}
+
+Status use_region(const std::vector<double>& numbers, std::optional<GeoBounds>& out) {
+  if (numbers.empty()) return {};
+  const auto region = region_of(numbers);
+  if (!region) return region.error();
+  out = *region;
   return {};
 }
 
@@ -188,8 +197,7 @@ Status find_inputs(const std::vector<std::string>& arguments, const InputSearch&
 
 Result<BuildOptions> options_from(const BakeArguments& arguments) {
   BuildOptions options = arguments.options;
-  if (auto status = use_bounds("--region", arguments.region, options.grid.region); !status)
-    return status.error();
+  if (auto status = use_region(arguments.region, options.grid.region); !status) return status.error();
   if (auto status = use_bounds("--bounds", arguments.image_bounds, options.imagery.bounds); !status)
     return status.error();
   if (auto status = use_level(arguments.level, options); !status) return status.error();

@@ -106,6 +106,25 @@ TEST_CASE("negative fractions without a zero are numbers, in places and in regio
   CHECK(run_cairn({"sample", out, "-.x", "1"}).exit_code == 2);
 }
 
+TEST_CASE("a region whose east is not above its west lies across the antimeridian") {
+  const test::TempDir dir;
+  const std::string out = (dir.path() / "a.cairn").string();
+  const std::string dem = (test::sample_dem() / "etopo5_thinned.tif").string();
+  const auto ran = run_cairn({"bake", dem, "--region", "179,-1,-179,1", "-o", out});
+  INFO(ran.err);
+  REQUIRE(ran.exit_code == 0);
+  const auto info = run_cairn({"info", out, "--json"});
+  REQUIRE(info.exit_code == 0);
+  const json bounds = json::parse(info.out)["bounds"];
+  INFO(bounds.dump());
+  CHECK(bounds["east"].get<double>() - bounds["west"].get<double>() == Approx(2));
+  for (const char* lon : {"179.5", "180", "-179.5"})
+    CHECK(run_cairn({"sample", out, lon, "0.5"}).out.size() > 1);
+  const auto wrong = run_cairn({"bake", dem, "--region", "10,5,20,-5", "-o", out, "--force"});
+  CHECK(wrong.exit_code == 2);
+  CHECK(is_one_line(wrong.err));
+}
+
 TEST_CASE("Ctrl-C ends a bake with what --resume goes on from") {
   const test::TempDir dir;
   const std::string whole = (dir.path() / "whole.cairn").string(), cut = (dir.path() / "cut.cairn").string();
