@@ -1,12 +1,12 @@
 #include "runtime/paging/tile_selection.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <queue>
 #include <unordered_map>
 #include <unordered_set>
-
 
 namespace cairn {
 namespace {
@@ -246,6 +246,9 @@ class Selector {
   /// Where no view sees a window of a tile, which is there for its finer children, a coarser tile is shown
   /// that is good enough there: one that is shown elsewhere, if there is one, and else the coarsest.
   void coarsen_unseen(Layer layer, TileCut& cut) const {
+    // A coarser tile still has samples at the corners of the area.
+    const int deepest =
+        std::bit_width(static_cast<unsigned>(tree_.contents().pack().header().tile_size - 1)) - 1;
     std::unordered_set<TileId> used;
     std::vector<CutNode*> unseen;
     for (CutNode& node : cut) {
@@ -265,7 +268,7 @@ class Selector {
       for (int level = kMinLevel; level < source->id.level; ++level) {
         const CutNode& above = tree_.node(ancestor_of(node->area, level)).best;
         const Source& candidate = source_of(above, layer);
-        if (!candidate) continue;
+        if (!candidate || node->area.level - candidate->id.level > deepest) continue;
         const bool is_better =
             coarser ? used.contains(candidate->id) : excess_in(above, above.area, *node, layer) <= 1;
         if (is_better) coarser = &candidate;

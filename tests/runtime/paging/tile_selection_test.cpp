@@ -243,6 +243,21 @@ std::vector<ViewState> views_near(LonLat place, double degrees, int count) {
 
 }  // namespace
 
+TEST_CASE("a tile that is shown has samples at the corners of its area, in sight or not") {
+  const FlightPack pack;
+  const Picker picker(pack.open());
+  constexpr int kLevels = 8;  // a tile of 257² has samples at the corners of its parts down to these
+  for (const ViewState& view : random_views(40)) {
+    FocusTile focus(0, 0);
+    SelectionView eye =
+        selection_view(view, picker.contents, picker.occluder, RefinementPattern::restricted, focus);
+    eye.ring = SplitSet();
+    for (const CutNode& node : select_tiles(picker.tree, {&eye, 1}, {}, {}).cut) {
+      if (node.heights) REQUIRE(node.area.level - node.heights->id.level <= kLevels);
+    }
+  }
+}
+
 TEST_CASE("no tile is selected without need, and none that is needed is left out") {
   const FlightPack pack;
   const Picker picker(pack.open());
