@@ -12,23 +12,24 @@
 namespace cairn {
 namespace {
 
+constexpr std::size_t kFewInstances = 4096;  // room for so many at first
 constexpr float kArrival_s = 0.5F;
 constexpr float kFadeRatio = 1.5F;        // from nothing to all of an object
 constexpr float kBillboardRatio = 1.25F;  // from all of the billboard to none
 // Seen from above the side of a model is no picture of it.
 constexpr float kSteepest = 0.7F;  // sine of the eye's elevation
 
-/// A model in a frame: its draws' instances, billboards first.
+/// A model of a frame, and where its draws begin.
 struct ModelUse {
   std::shared_ptr<const ObjectModel> model;
-  std::vector<std::vector<ObjectInstance>> by_level;  // the last is the billboard's
-  float billboard_px = 0;                             // the height that a view of the billboard has in texels
+  std::uint32_t first_draw = 0;  // of its levels and, last, its billboard
+  float billboard_px = 0;        // the height that a view of the billboard has in texels
+};
 
-  explicit ModelUse(std::shared_ptr<const ObjectModel> used)
-      : model(std::move(used)), by_level(model->levels.size() + 1) {
-    const int rows = model->billboard_views == kBillboardViews ? 2 : 1;
-    billboard_px = static_cast<float>(model->billboard.size) / static_cast<float>(rows);
-  }
+/// An instance and the draw that it belongs to.
+struct ChosenInstance {
+  ObjectInstance instance;
+  std::uint32_t draw = 0;
 };
 
 class Chooser {
@@ -40,6 +41,7 @@ class Chooser {
         smallest_px_(static_cast<float>(rules.smallest_px)),
         farthest_per_m_(pixels_per_radian_ / smallest_px_),
         error_px_(static_cast<float>(rules.error_px)) {
+    chosen_.reserve(kFewInstances);
     const std::array<glm::dvec3, 5> normals = inward_normals(camera_, rules.view);
     for (std::size_t i = 0; i < normals.size(); ++i) inward_[i] = glm::vec3(normals[i]);
   }
@@ -47,6 +49,7 @@ class Chooser {
   void add(const ObjectPatch& patch) {
     const float share = arrivals_.share_of(*patch.objects);
     if (share <= 0 || !may_be_seen(patch.cluster)) return;
+    const bool is_inside = is_in_picture(patch.cluster);
     std::vector<std::size_t>& uses = uses_of(*patch.objects);
     for (std::size_t i = 0; i < patch.feet.size(); ++i) {
       const StandingObject& object = patch.standing[i];
@@ -56,35 +59,41 @@ class Chooser {
       // Most of the objects in memory are too small where they are: that is the cheapest test.
       const float farthest = object.size_m * farthest_per_m_;
       if (glm::dot(from_eye, from_eye) >= farthest * farthest) continue;
-      if (!in_picture(from_eye, object.reach_m())) continue;
+      if (!is_inside && !in_picture(from_eye, object.reach_m())) continue;
       const float distance = glm::length(from_eye);
       const float px_per_m = pixels_per_radian_ / std::max(distance, 1e-3F);
       const float size_px = object.size_m * px_per_m;
       if (size_px <= smallest_px_) continue;
       const float fade = share * std::min((size_px / smallest_px_ - 1) / (kFadeRatio - 1), 1.0F);
-      const auto scale = static_cast<float>(object.placed.scale_factor());
+      const float scale = static_cast<float>(object.placed.scale) / 4096;
       const ObjectInstance instance{from_eye, scale, foot.heading, {0, fade}};
       const float elevation = -glm::dot(from_eye, up_of(foot.place)) / std::max(distance, 1e-3F);
       choose(all_[uses[object.slot]], instance, size_px, px_per_m * scale, elevation);
     }
   }
 
+  /// Puts the instances of each draw together, in the order in which they came.
   SurfaceObjects take() {
     SurfaceObjects out;
     out.objects = objects_;
     out.billboards = billboards_;
+    std::vector<std::uint32_t> next(counts_.size());
+    std::uint32_t first = 0;
     for (const ModelUse& use : all_) {
-      for (std::size_t level = 0; level < use.by_level.size(); ++level) {
-        const std::vector<ObjectInstance>& instances = use.by_level[level];
-        if (instances.empty()) continue;
-        const bool is_billboard = level == use.model->levels.size();
-        out.draws.push_back({use.model, is_billboard ? ObjectDraw::kBillboard : static_cast<int>(level),
-                             static_cast<std::uint32_t>(out.instances.size()),
-                             static_cast<std::uint32_t>(instances.size())});
-        out.instances.insert(out.instances.end(), instances.begin(), instances.end());
-        out.triangles += instances.size() * (is_billboard ? 2 : use.model->levels[level].count / 3);
+      const std::size_t levels = use.model->levels.size();
+      for (std::size_t level = 0; level <= levels; ++level) {
+        const std::uint32_t count = counts_[use.first_draw + level];
+        next[use.first_draw + level] = first;
+        if (count == 0) continue;
+        const bool is_billboard = level == levels;
+        out.draws.push_back(
+            {use.model, is_billboard ? ObjectDraw::kBillboard : static_cast<int>(level), first, count});
+        out.triangles += std::uint64_t{count} * (is_billboard ? 2 : use.model->levels[level].count / 3);
+        first += count;
       }
     }
+    out.instances.resize(chosen_.size());
+    for (const ChosenInstance& each : chosen_) out.instances[next[each.draw]++] = each.instance;
     return out;
   }
 
@@ -96,25 +105,44 @@ class Chooser {
     return in_picture(from_eye, cluster.radius_m + static_cast<float>(kReachPerSize) * cluster.largest_m);
   }
 
+  /// Whether all feet are: then no object has to be looked at.
+  bool is_in_picture(const ObjectCluster& cluster) const {
+    return in_picture(glm::vec3(cluster.middle - camera_.position), -cluster.radius_m);
+  }
+
   bool in_picture(const glm::vec3& from_eye, float reach_m) const {
     return std::all_of(inward_.begin(), inward_.end(),
                        [&](const glm::vec3& normal) { return glm::dot(from_eye, normal) >= -reach_m; });
   }
 
-  static glm::vec3 up_of(const glm::dvec3& place) { return glm::vec3(glm::normalize(place)); }
+  static glm::vec3 up_of(const glm::dvec3& place) { return glm::normalize(glm::vec3(place)); }
 
   std::vector<std::size_t>& uses_of(const LoadedObjects& tile) {
     std::vector<std::size_t>& uses = tile_uses_[&tile];
     if (!uses.empty()) return uses;
     for (const auto& model : tile.models()) {
       const auto [known, fresh] = numbers_.try_emplace(model.get(), all_.size());
-      if (fresh) all_.emplace_back(model);
+      if (fresh) add_model(model);
       uses.push_back(known->second);
     }
     return uses;
   }
 
-  void choose(ModelUse& use, ObjectInstance instance, float size_px, float px_per_model_m, float elevation) {
+  void add_model(const std::shared_ptr<const ObjectModel>& model) {
+    const int rows = model->billboard_views == kBillboardViews ? 2 : 1;
+    all_.push_back({model, static_cast<std::uint32_t>(counts_.size()),
+                    static_cast<float>(model->billboard.size) / static_cast<float>(rows)});
+    counts_.resize(counts_.size() + model->levels.size() + 1);
+  }
+
+  void draw(const ModelUse& use, std::size_t level, const ObjectInstance& instance) {
+    const auto number = use.first_draw + static_cast<std::uint32_t>(level);
+    ++counts_[number];
+    chosen_.push_back({instance, number});
+  }
+
+  void choose(const ModelUse& use, ObjectInstance instance, float size_px, float px_per_model_m,
+              float elevation) {
     ++objects_;
     const auto& levels = use.model->levels;
     // How much of it is the billboard.
@@ -128,13 +156,13 @@ class Chooser {
     if (far > 0) {
       ObjectInstance billboard = instance;
       billboard.shown.x = all * (1 - far);
-      use.by_level.back().push_back(billboard);
+      draw(use, levels.size(), billboard);
     }
     if (far >= 1) return;
     instance.shown.y = all * (1 - far);
     std::size_t level = levels.size() - 1;
     while (level > 0 && levels[level].error_m * px_per_model_m > error_px_) --level;
-    use.by_level[level].push_back(instance);
+    draw(use, level, instance);
   }
 
   const ObjectArrivals& arrivals_;
@@ -145,6 +173,8 @@ class Chooser {
   float farthest_per_m_;  // where an object of 1 m has the smallest size
   float error_px_;
   std::vector<ModelUse> all_;
+  std::vector<std::uint32_t> counts_;  // by draw
+  std::vector<ChosenInstance> chosen_;
   std::unordered_map<const ObjectModel*, std::size_t> numbers_;
   std::unordered_map<const LoadedObjects*, std::vector<std::size_t>> tile_uses_;
   std::size_t objects_ = 0;
