@@ -17,8 +17,9 @@ class ObjectReach {
     for (const std::shared_ptr<const LoadedObjects>& tile : tiles) {
       const double largest_m = kReachPerSize * static_cast<double>(tile->largest_m());
       for (TileId id = tile->tile();; id = parent_of(id)) {
-        double& reach = beneath_[id];
-        reach = std::max(reach, largest_m);
+        const auto [at, fresh] = beneath_.try_emplace(id, largest_m);
+        if (!fresh && at->second >= largest_m) break;  // as it is above, then
+        at->second = largest_m;
         if (id.level == kMinLevel) break;
       }
       double& own = own_[tile->tile()];
