@@ -8,6 +8,7 @@
 #include "runtime/viewer/headless.h"
 #include "runtime/viewer/options.h"
 #include "runtime/viewer/panel.h"
+#include "runtime/viewer/settings.h"
 #include "runtime/viewer/window.h"
 
 namespace {
@@ -98,6 +99,17 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return code == 0 ? 0 : 2;
+  }
+  // A window begins as the last one ended, but for what the command line says.
+  if (!options.is_headless()) {
+    cairn::viewer::Options kept;
+    const cairn::Status read = cairn::viewer::read_settings(cairn::viewer::settings_path(), kept);
+    if (!read) std::cerr << "cairn view: " << read.error().message << '\n';
+    CLI::App again("Fly over a pack.", "cairn view");
+    declare(again, kept);
+    again.parse(argc, argv);
+    if (!kept.tint.empty() && !cairn::tint_named(kept.tint)) kept.tint = options.tint;
+    options = kept;
   }
   const cairn::Status done = options.is_headless() ? cairn::viewer::run_headless(options, std::cerr)
                                                    : cairn::viewer::run_window(options, std::cerr);

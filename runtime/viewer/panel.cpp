@@ -20,6 +20,7 @@ const char* const kKeysHelp =
     "F1 F2 F3   this help, the panel, the scene map\n"
     "F4 F5 F6   wireframe, level colours, fog\n"
     "F7         place and change objects\n"
+    "M          measure: clicks make a line on the ground\n"
     "F12        screenshot\n"
     "Esc        quit";
 
@@ -152,9 +153,28 @@ bool draw_settings(PanelState& state, FrameLook& look) {
     }
     ImGui::EndCombo();
   }
-  ImGui::InputScalarN("##place", ImGuiDataType_Double, state.go_to.data(), 3, nullptr, nullptr, "%.5f");
+  ImGui::InputScalarN("##place", ImGuiDataType_Double, state.go_to.data(), 5, nullptr, nullptr, "%.5f");
   ImGui::SameLine();
   return ImGui::Button("go");
+}
+
+void draw_measured(PanelState& state) {
+  ImGui::SetNextWindowPos(ImVec2(300, 8), ImGuiCond_FirstUseEver);
+  ImGui::Begin("distance", &state.measures, ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::Text("%zu places, %.1f m", state.measured.size(), state.measured_m);
+  state.saves_profile = state.measured.size() > 1 && ImGui::Button("save the profile");
+  if (!state.measured.empty() && ImGui::Button("clear")) state.measured.clear();
+  ImGui::End();
+}
+
+void draw_status_line(const std::string& text) {
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos(ImVec2(8, io.DisplaySize.y - 8), ImGuiCond_Always, ImVec2(0, 1));
+  ImGui::Begin("##status", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
+                   ImGuiWindowFlags_NoFocusOnAppearing);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::End();
 }
 
 }  // namespace
@@ -195,7 +215,7 @@ void draw_object_editor(PanelState& state, ObjectEditor& editor) {
   ImGui::End();
 }
 
-std::optional<std::array<double, 3>> draw_panel(PanelState& state, FrameLook& look, const ViewState& view,
+std::optional<std::array<double, 5>> draw_panel(PanelState& state, FrameLook& look, const ViewState& view,
                                                 const RenderList* list) {
   bool goes = false;
   if (state.shows_panel) {
@@ -210,6 +230,8 @@ std::optional<std::array<double, 3>> draw_panel(PanelState& state, FrameLook& lo
     ImGui::TextDisabled("F1: keys");
     ImGui::End();
   }
+  if (state.measures) draw_measured(state);
+  if (!state.under_cursor.empty()) draw_status_line(state.under_cursor);
   if (state.shows_help) {
     ImGui::SetNextWindowPos(ImVec2(300, 40), ImGuiCond_FirstUseEver);
     ImGui::Begin("keys", &state.shows_help, ImGuiWindowFlags_AlwaysAutoResize);

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cairn/render_list.h"
 #include "runtime/paging/frame_stats.h"
@@ -29,7 +30,13 @@ struct PanelState {
   ObjectEditor::Click click = ObjectEditor::Click::selects;  ///< what a click on the picture does
   int model = 0;                                             ///< that a click places
 
-  std::array<double, 3> go_to{};  ///< longitude, latitude, height, as typed
+  std::array<double, 5> go_to{};  ///< longitude, latitude, height, heading, pitch, as typed
+
+  std::string under_cursor;  ///< the place and the height there; empty: none is
+  bool measures = false;     ///< clicks on the picture add places to `measured`
+  std::vector<LonLat> measured;
+  double measured_m = 0;       ///< the length of the line through them
+  bool saves_profile = false;  ///< the user has asked for it in this frame
 };
 
 /// Draws what is done with objects, in a window of its own: which model, what a click does, the selected
@@ -37,8 +44,8 @@ struct PanelState {
 void draw_object_editor(PanelState& state, ObjectEditor& editor);
 
 /// Draws the panel, the help and the scene map with Dear ImGui, between its NewFrame and Render. Returns the
-/// place to go to when the user has asked for it: longitude, latitude, height.
-std::optional<std::array<double, 3>> draw_panel(PanelState& state, FrameLook& look, const ViewState& view,
+/// place to go to when the user has asked for it: longitude, latitude, height, heading, pitch.
+std::optional<std::array<double, 5>> draw_panel(PanelState& state, FrameLook& look, const ViewState& view,
                                                 const RenderList* list);
 
 /// The keys, a line each, as F1 and --help show them.

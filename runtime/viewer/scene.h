@@ -72,6 +72,7 @@ class Scene {
   ObjectEditor* editor() { return editor_ ? &*editor_ : nullptr; }
 
   const PackReader& pack() const { return *pack_; }
+  std::shared_ptr<const PackReader> shared_pack() const { return pack_; }
   const Terrain& terrain() const { return terrain_; }
   const RenderList* list() const { return list_; }
 

@@ -50,6 +50,15 @@ std::optional<glm::dvec2> clicked() {
                     static_cast<double>(io.MousePos.y / io.DisplaySize.y));
 }
 
+std::optional<glm::dvec2> cursor_on_picture() {
+  const ImGuiIO& io = ImGui::GetIO();
+  const glm::dvec2 at(static_cast<double>(io.MousePos.x / io.DisplaySize.x),
+                      static_cast<double>(io.MousePos.y / io.DisplaySize.y));
+  const bool is_inside = at.x >= 0 && at.y >= 0 && at.x < 1 && at.y < 1;  // false where there is no mouse
+  if (io.WantCaptureMouse || !is_inside) return std::nullopt;
+  return at;
+}
+
 ControlInput read_controls(double dt_s) {
   const ImGuiIO& io = ImGui::GetIO();
   ControlInput input;

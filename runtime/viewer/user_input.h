@@ -16,6 +16,10 @@ bool shift_held();
 /// up again with no drag between.
 std::optional<glm::dvec2> clicked();
 
+/// Where the cursor is on the picture, 0 to 1 from its upper left corner; nullopt where it is on a panel or
+/// outside.
+std::optional<glm::dvec2> cursor_on_picture();
+
 /// What keys, mouse and game pad say about the camera. Call between ImGui's NewFrame and Render.
 ControlInput read_controls(double dt_s);
 

@@ -2,14 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <ostream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <epoxy/gl.h>
 
+#include "cairn/geodesy.h"
 #include "runtime/flight/camera_text.h"
+#include "runtime/gl/view_transform.h"
 // GLFW comes after epoxy, which declares OpenGL.
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
@@ -19,10 +24,13 @@
 #include "runtime/viewer/camera_controls.h"
 #include "runtime/viewer/display.h"
 #include "runtime/viewer/flight_recorder.h"
+#include "runtime/viewer/ground_probe.h"
+#include "runtime/viewer/ground_profile.h"
 #include "runtime/viewer/numbered_file.h"
 #include "runtime/viewer/panel.h"
 #include "runtime/viewer/png_file.h"
 #include "runtime/viewer/scene.h"
+#include "runtime/viewer/settings.h"
 #include "runtime/viewer/user_input.h"
 
 namespace cairn::viewer {
@@ -39,11 +47,14 @@ class Session {
         view_(view),
         display_(display),
         messages_(messages),
+        options_(options),
+        own_drape_(look.drape),
+        probe_(scene_.shared_pack()),
         samples_(options.samples) {
     panel_.sun = sun;
     panel_.tint = options.tint;
     panel_.heights = height_range(scene_.pack());
-    panel_.go_to = {view.eye.lon, view.eye.lat, view.height_m};
+    panel_.go_to = {view.eye.lon, view.eye.lat, view.height_m, view.heading_deg, view.pitch_deg};
   }
 
   Status run() {
@@ -66,6 +77,8 @@ class Session {
       const Status drawn = frame({width, height}, dt);
       if (!drawn) return drawn;
     }
+    const Status kept = write_settings(settings_path(), settings());
+    if (!kept) messages_ << kept.error().message << std::endl;
     return {};
   }
 
@@ -94,6 +107,8 @@ class Session {
       messages_ << error.message << std::endl;
       panel_.message = error.message;
     }
+    look_under_cursor();
+    if (panel_.measures) measure();
     if (ObjectEditor* editor = scene_.editor(); editor && panel_.shows_objects) edit(*editor);
     recorder_.add(view_, dt_s);
     if (takes_screenshot_) save_screenshot();
@@ -117,6 +132,7 @@ class Session {
     if (press.key == GLFW_KEY_F12) takes_screenshot_ = true;
     if (press.key == GLFW_KEY_T) move_sun(press.with_shift ? -1 : 1);
     if (press.key == GLFW_KEY_R) panel_.message = recorder_.toggle();
+    if (press.key == GLFW_KEY_M) panel_.measures = !panel_.measures;
     if (press.key == GLFW_KEY_HOME) {
       view_ = start_view(scene_.pack(), view_.fov_y_deg, {view_.viewport_width_px, view_.viewport_height_px});
     }
@@ -125,6 +141,76 @@ class Session {
       const double down = std::max(std::sin(-view_.pitch_deg * 3.14159265358979 / 180), 0.05);
       controls_.set_mode(orbits ? CameraMode::orbit : CameraMode::free, (view_.height_m - ground_m()) / down);
     }
+  }
+
+  /// The place that the picture of this frame shows; nullopt where it shows no ground.
+  std::optional<LonLat> place_at(const glm::dvec2& at) {
+    const int column = std::clamp(static_cast<int>(at.x * target_->width()), 0, target_->width() - 1),
+              row = std::clamp(static_cast<int>(at.y * target_->height()), 0, target_->height() - 1);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, target_->resolve(GL_DEPTH_BUFFER_BIT));
+    GLfloat depth = 0;
+    glReadPixels(column, target_->height() - 1 - row, 1, 1, GL_DEPTH_COMPONENT, GL_FLOAT, &depth);
+    if (depth <= 0) return std::nullopt;
+    ViewState view = view_;
+    view.ellipsoid = scene_.pack().header().body.shape;
+    const CameraFrame camera = camera_frame(view);
+    const glm::dvec3 direction = direction_at(view, column + 0.5, row + 0.5);
+    const double along_m = gl::kNear_m / static_cast<double>(depth) / glm::dot(direction, camera.forward);
+    return to_geodetic(camera.position + direction * along_m, view.ellipsoid).place;
+  }
+
+  void look_under_cursor() {
+    const auto cursor = cursor_on_picture();
+    const auto place = cursor ? place_at(*cursor) : std::nullopt;
+    panel_.under_cursor.clear();
+    if (!place) return;
+    probe_.ask(*place);
+    if (const auto ground = probe_.latest()) panel_.under_cursor = text_of(*ground);
+  }
+
+  /// Adds what was clicked to the measured line, draws it, and saves its profile when asked to.
+  void measure() {
+    if (const auto click = clicked()) {
+      if (const auto place = place_at(*click)) panel_.measured.push_back(*place);
+    }
+    if (panel_.measured.size() != drawn_places_) {
+      drawn_places_ = panel_.measured.size();
+      panel_.measured_m = length_m(scene_.pack(), panel_.measured);
+      Drape drape = own_drape_ ? *own_drape_ : Drape{};
+      if (drawn_places_ > 0) drape.lines.push_back({panel_.measured, {1, 1, 1}, 3});
+      look_.drape = std::make_shared<const Drape>(std::move(drape));
+    }
+    if (std::exchange(panel_.saves_profile, false)) save_profile();
+  }
+
+  void save_profile() {
+    const auto rows = ground_profile(scene_.pack(), panel_.measured);
+    const auto file = rows ? create_numbered("profile", "csv", 1) : Result<NumberedFile>(rows.error());
+    if (!file) {
+      panel_.message = file.error().message;
+      return;
+    }
+    const std::string csv = to_csv(*rows);
+    const bool is_written = std::fwrite(csv.data(), 1, csv.size(), file->file.get()) == csv.size() &&
+                            std::fflush(file->file.get()) == 0;
+    panel_.message =
+        is_written ? "saved " + file->name : file->name + ": expected to write it, found that it cannot be";
+  }
+
+  /// What the next window begins with.
+  Options settings() const {
+    Options o = options_;
+    o.tint = panel_.tint;
+    o.imagery = look_.imagery;
+    o.exposure_ev = look_.exposure_ev;
+    o.sea_m = look_.sea_m;
+    o.contours_m = look_.contours_m;
+    o.slopes = look_.slope_colours;
+    o.no_shadows = !look_.shadows;
+    o.no_fog = !look_.fog;
+    o.tolerance_px = look_.tolerance_px;
+    o.hour = panel_.sun.hour;
+    return o;
   }
 
   /// What a click does, which is no drag, on the picture of this frame.
@@ -167,6 +253,8 @@ class Session {
     if (const auto place = draw_panel(panel_, look_, view_, scene_.list())) {
       view_.eye = {std::remainder((*place)[0], 360.0), std::clamp((*place)[1], -90.0, 90.0)};
       view_.height_m = (*place)[2];
+      view_.heading_deg = std::remainder((*place)[3], 360.0);
+      view_.pitch_deg = std::clamp((*place)[4], -90.0, 90.0);
     }
     ImGui::Render();
     const GLuint resolved = target_->resolve(GL_COLOR_BUFFER_BIT);
@@ -186,6 +274,10 @@ class Session {
   std::ostream& messages_;
   CameraControls controls_;
   PanelState panel_;
+  const Options& options_;
+  std::shared_ptr<const Drape> own_drape_;  // of the command line
+  GroundProbe probe_;
+  std::size_t drawn_places_ = 0;  // of the measured line
   int samples_;
   std::optional<gl::FrameTarget> target_;
   FlightRecorder recorder_;

@@ -11,7 +11,7 @@ Xvfb -displayfd 3 -screen 0 500x400x24 -nolisten tcp 3>display-number 2>/dev/nul
 server=$!
 trap 'kill $server 2>/dev/null || true' EXIT
 read -r number <display-number
-export DISPLAY=:$number
+export DISPLAY=:$number XDG_CONFIG_HOME=$folder/config
 
 "$cairn" view "$pack" --camera="$camera" --size 320x240 2>messages &
 viewer=$!
@@ -66,3 +66,4 @@ press w; shot ahead.png
 xdotool keydown Escape; sleep 1; xdotool keyup Escape
 for _ in $(seq 100); do kill -0 $viewer 2>/dev/null || break; sleep 0.1; done
 wait $viewer
+[ -s config/cairn/view.json ]
