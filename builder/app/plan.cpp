@@ -28,7 +28,9 @@ struct PlanArguments {
 };
 
 Json json_of(const PlanReport& report, const std::string& file) {
-  Json out{{"plan", file}, {"files", report.files}, {"memory_bytes", report.memory_bytes},
+  Json out{{"plan", file},
+           {"files", report.files},
+           {"memory_bytes", report.memory_bytes},
            {"peak_rss_mib", static_cast<double>(peak_resident_bytes()) / kMiB}};
   out["shards"] = Json::array();
   for (const PlanReport::Shard& shard : report.shards) {
