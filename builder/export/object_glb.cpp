@@ -17,7 +17,7 @@ constexpr int kVertexTarget = 34962, kIndexTarget = 34963;
 constexpr std::size_t kVertexFloats = 8;  // position, normal, texture
 
 template <class T>
-void append(std::vector<std::byte>& out, T value) {
+void append_value(std::vector<std::byte>& out, T value) {
   std::array<std::byte, sizeof(T)> bytes;
   std::memcpy(bytes.data(), &value, sizeof(T));
   out.insert(out.end(), bytes.begin(), bytes.end());
@@ -174,7 +174,7 @@ class InstanceWriter {
     const std::size_t begin = binary_.size();
     for (const Instance& instance : model.instances) {
       const std::array<double, kParts> parts = parts_of(instance);
-      for (const double part : parts) append(binary_, static_cast<float>(part));
+      for (const double part : parts) append_value(binary_, static_cast<float>(part));
     }
     return add_accessor(add_view(0, begin, binary_.size() - begin, 0), 0, kFloats, shape,
                         model.instances.size());
@@ -195,14 +195,14 @@ class InstanceWriter {
     while (json.size() % 4 != 0) json.push_back(' ');
     constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJson = 0x4E4F534A, kBinary = 0x004E4942;
     std::vector<std::byte> out;
-    append(out, kMagic);
-    append(out, kVersion);
-    append(out, static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + binary_.size()));
-    append(out, static_cast<std::uint32_t>(json.size()));
-    append(out, kJson);
-    for (const char c : json) append(out, c);
-    append(out, static_cast<std::uint32_t>(binary_.size()));
-    append(out, kBinary);
+    append_value(out, kMagic);
+    append_value(out, kVersion);
+    append_value(out, static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + binary_.size()));
+    append_value(out, static_cast<std::uint32_t>(json.size()));
+    append_value(out, kJson);
+    for (const char c : json) append_value(out, c);
+    append_value(out, static_cast<std::uint32_t>(binary_.size()));
+    append_value(out, kBinary);
     out.insert(out.end(), binary_.begin(), binary_.end());
     return out;
   }
@@ -232,15 +232,15 @@ ModelBuffer model_buffer(std::uint32_t number, const ObjectModel& model) {
     const auto& [x, y, z] = vertices[v].position_m;
     const std::array<float, 3> position{x, z, -y};
     const auto& [nx, ny, nz] = vertices[v].normal;
-    for (const float part : position) append(buffer.bytes, part);
-    for (const float part : {nx, nz, -ny}) append(buffer.bytes, part);
-    for (const float part : vertices[v].texture) append(buffer.bytes, part);
+    for (const float part : position) append_value(buffer.bytes, part);
+    for (const float part : {nx, nz, -ny}) append_value(buffer.bytes, part);
+    for (const float part : vertices[v].texture) append_value(buffer.bytes, part);
     for (std::size_t i = 0; i < 3; ++i) {
       buffer.low[i] = v == 0 ? position[i] : std::min(buffer.low[i], position[i]);
       buffer.high[i] = v == 0 ? position[i] : std::max(buffer.high[i], position[i]);
     }
   }
-  for (const std::uint16_t index : indices) append(buffer.bytes, index);
+  for (const std::uint16_t index : indices) append_value(buffer.bytes, index);
   return buffer;
 }
 

@@ -23,7 +23,7 @@ using TreeJson = nlohmann::ordered_json;
 
 constexpr int kLevelsOfFile = 4;
 constexpr double kSizesOfError = 4;
-constexpr double kRadian = std::numbers::pi / 180;
+constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 
 /// What a tile's volume has to hold.
 struct Volume {
@@ -38,21 +38,21 @@ struct Volume {
     highest_m = std::max(highest_m, other.highest_m);
   }
   std::array<double, 6> region() const {
-    return {std::max(bounds.west, -180.0) * kRadian,
-            std::max(bounds.south, -90.0) * kRadian,
-            std::min(bounds.east, 180.0) * kRadian,
-            std::min(bounds.north, 90.0) * kRadian,
+    return {std::max(bounds.west, -180.0) * kRadiansPerDegree,
+            std::max(bounds.south, -90.0) * kRadiansPerDegree,
+            std::min(bounds.east, 180.0) * kRadiansPerDegree,
+            std::min(bounds.north, 90.0) * kRadiansPerDegree,
             lowest_m,
             highest_m};
   }
 };
 
-struct Node {
+struct ObjectNode {
   TileId id;
   Volume volume;
   double error_m = 0;
   bool has_content = false;
-  std::vector<Node> children;
+  std::vector<ObjectNode> children;
 };
 
 std::string file_of(const TileId& id) {
@@ -67,7 +67,7 @@ class ObjectTilesetWriter {
 
   Result<std::optional<ObjectTileset>> run() {
     const auto levels = pack_.levels(Layer::objects);
-    std::vector<Node> roots;
+    std::vector<ObjectNode> roots;
     for (std::size_t i = 0; levels && i < pack_.entry_count(); ++i) {
       const IndexEntry entry = pack_.entry(i);
       if (entry.layer != Layer::objects || entry.id.level != levels->coarsest) continue;
@@ -77,8 +77,8 @@ class ObjectTilesetWriter {
       found_.error_m = std::max(found_.error_m, kSizesOfError * static_cast<double>(entry.geometric_error_m));
     }
     if (roots.empty()) return std::optional<ObjectTileset>();
-    Node root;
-    for (const Node& node : roots) root.volume.add(node.volume);
+    ObjectNode root;
+    for (const ObjectNode& node : roots) root.volume.add(node.volume);
     root.error_m = found_.error_m;
     root.children = std::move(roots);
     if (auto status = write_tree(root, "tileset", ""); !status) return status.error();
@@ -89,8 +89,8 @@ class ObjectTilesetWriter {
 
  private:
   /// Nothing where no object of the tile or beneath it is in the region.
-  Result<std::optional<Node>> node_of(const IndexEntry& entry) {
-    Node node;
+  Result<std::optional<ObjectNode>> node_of(const IndexEntry& entry) {
+    ObjectNode node;
     node.id = entry.id;
     for (int quadrant = 0; quadrant < 4; ++quadrant) {
       const TileId id{entry.id.level + 1, 2 * entry.id.x + (quadrant & 1), 2 * entry.id.y + (quadrant >> 1)};
@@ -106,11 +106,11 @@ class ObjectTilesetWriter {
     if ((entry.flags & kConstant) == 0) {
       if (auto status = write_content(entry, node); !status) return status.error();
     }
-    if (!node.has_content && node.children.empty()) return std::optional<Node>();
+    if (!node.has_content && node.children.empty()) return std::optional<ObjectNode>();
     return std::optional(std::move(node));
   }
 
-  Status write_content(const IndexEntry& entry, Node& node) {
+  Status write_content(const IndexEntry& entry, ObjectNode& node) {
     const auto tile = pack_.read_object_tile(entry);
     if (!tile) return tile.error();
     std::vector<ModelInstances> models;
@@ -180,8 +180,8 @@ class ObjectTilesetWriter {
     return &own;
   }
 
-  TreeJson json_of(const Node& node, const std::string& up, int left,
-                   std::vector<const Node*>& others) const {
+  TreeJson json_of(const ObjectNode& node, const std::string& up, int left,
+                   std::vector<const ObjectNode*>& others) const {
     TreeJson json = {{"boundingVolume", {{"region", node.volume.region()}}},
                      {"geometricError", node.error_m},
                      {"refine", "ADD"}};
@@ -191,19 +191,20 @@ class ObjectTilesetWriter {
       return json;
     }
     if (node.has_content) json["content"] = {{"uri", up + file_of(node.id) + ".glb"}};
-    for (const Node& child : node.children) json["children"].push_back(json_of(child, up, left - 1, others));
+    for (const ObjectNode& child : node.children)
+      json["children"].push_back(json_of(child, up, left - 1, others));
     return json;
   }
 
-  Status write_tree(const Node& root, const std::string& name, const std::string& up) {
-    std::vector<const Node*> others;
+  Status write_tree(const ObjectNode& root, const std::string& name, const std::string& up) {
+    std::vector<const ObjectNode*> others;
     const TreeJson file = {{"asset", {{"version", "1.1"}, {"generator", "cairn " CAIRN_VERSION}}},
                            {"geometricError", root.error_m},
                            {"root", json_of(root, up, kLevelsOfFile, others)}};
     const std::string text = file.dump(1) + "\n";
     found_.bytes += text.size();
     if (auto status = folder_.write("objects/" + name + ".json", text); !status) return status;
-    for (const Node* other : others) {
+    for (const ObjectNode* other : others) {
       if (auto status = write_tree(*other, file_of(other->id), "../../"); !status) return status;
     }
     return {};
