@@ -13,6 +13,7 @@
 
 #include "cairn/pack_reader.h"
 #include "cairn/pack_sampler.h"
+#include "format/pack_verify.h"
 #include "tests/support/dem_files.h"
 #include "tests/support/test_bake.h"
 #include "tests/support/test_data.h"
@@ -226,6 +227,9 @@ void check(const Grid& grid, const char* layout, const std::vector<Raster>& rast
   CHECK(measured.posts > 0);
   CHECK(measured.missing == 0);
   CHECK(measured.worst <= kErrorBound);
+  const auto verified = verify_pack(options.session.target);
+  REQUIRE(verified.ok());
+  for (const Finding& finding : verified->findings) FAIL_CHECK(finding.where << ": " << finding.what);
 }
 
 void check_layouts(const std::vector<Grid>& grids) {
