@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include <png.h>
@@ -21,21 +22,84 @@ std::size_t at(int column, int row) {
   return static_cast<std::size_t>(row) * kDemTilePixels + static_cast<std::size_t>(column);
 }
 
-/// Heights at the pixels and two pixels around them; NaN where the pack has none.
-Result<std::vector<double>> heights_around(const RasterDemSource& source, PackSampler& sampler,
-                                           const MercatorTile& tile, int level) {
-  std::vector<double> heights;
-  heights.reserve(std::size_t{kHeights} * kHeights);
-  for (int r = -2 * kAround; r < kDemTilePixels + 2 * kAround; ++r) {
-    for (int c = -2 * kAround; c < kDemTilePixels + 2 * kAround; ++c) {
-      const LonLat place = mercator_place(tile, (c + 0.5) / kDemTilePixels, (r + 0.5) / kDemTilePixels);
-      const auto height = sampler.height_at(place, level);
-      if (!height) return height.error();
-      heights.push_back(*height ? (*height)->metres + source.shift.at(place) : std::nan(""));
-    }
-  }
-  return heights;
+LonLat pixel_place(const MercatorTile& tile, double column, double row) {
+  return mercator_place(tile, (column + 0.5) / kDemTilePixels, (row + 0.5) / kDemTilePixels);
 }
+
+/// Heights at the pixels and two pixels around them; NaN where the pack has none.
+class PixelHeights {
+ public:
+  PixelHeights(const RasterDemSource& source, PackSampler& sampler, const MercatorTile& tile, int level)
+      : source_(source), sampler_(sampler), tile_(tile), level_(level) {}
+
+  Status read() {
+    heights_.reserve(std::size_t{kHeights} * kHeights);
+    for (int r = -2 * kAround; r < kDemTilePixels + 2 * kAround; ++r) {
+      for (int c = -2 * kAround; c < kDemTilePixels + 2 * kAround; ++c) {
+        const auto height = height_at(c, r);
+        if (!height) return height.error();
+        heights_.push_back(*height);
+      }
+    }
+    return {};
+  }
+
+  /// The height of a pixel. One without height beside some with heights has that of the ground's rim towards
+  /// them, so that readings at the rim are the ground's; others are 0.
+  Result<double> filled(int column, int row) {
+    if (const double height = at_pixel(column, row); !std::isnan(height)) return height;
+    constexpr std::array<std::array<int, 2>, 8> kSteps{
+        {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
+    // Where ground lies straight beside it, what lies across a corner is farther off.
+    for (const auto& steps : {std::span(kSteps).first(4), std::span(kSteps).last(4)}) {
+      double sum = 0;
+      int count = 0;
+      for (const auto& [c, r] : steps) {
+        if (std::isnan(at_pixel(column + c, row + r))) continue;
+        const auto rim = rim_height(column, row, c, r);
+        if (!rim) return rim.error();
+        sum += *rim;
+        ++count;
+      }
+      if (count > 0) return sum / count;
+    }
+    return 0.0;
+  }
+
+ private:
+  double at_pixel(int column, int row) const {
+    return heights_[static_cast<std::size_t>(row + 2 * kAround) * kHeights +
+                    static_cast<std::size_t>(column + 2 * kAround)];
+  }
+
+  Result<double> height_at(double column, double row) {
+    const LonLat place = pixel_place(tile_, column, row);
+    const auto height = sampler_.height_at(place, level_);
+    if (!height) return height.error();
+    return *height ? (*height)->metres + source_.shift.at(place) : std::nan("");
+  }
+
+  /// Returns the height at the end of the ground on the way to a pixel from the one beside it.
+  Result<double> rim_height(int column, int row, int to_column, int to_row) {
+    constexpr int kHalvings = 10;  // to a thousandth of a pixel
+    double known = at_pixel(column + to_column, row + to_row);
+    double ground = 1, none = 0;  // pixels from the one without height
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = (ground + none) / 2;
+      const auto height = height_at(column + middle * to_column, row + middle * to_row);
+      if (!height) return height.error();
+      (std::isnan(*height) ? none : ground) = middle;
+      if (!std::isnan(*height)) known = *height;
+    }
+    return known;
+  }
+
+  const RasterDemSource& source_;
+  PackSampler& sampler_;
+  const MercatorTile& tile_;
+  int level_;
+  std::vector<double> heights_;
+};
 
 /// The tile's own pixel that is read for one beside it, where the tile that would have it is absent.
 class PixelsAround {
@@ -59,26 +123,6 @@ class PixelsAround {
   static std::size_t index(int x, int y) { return static_cast<std::size_t>(3 * (y + 1) + x + 1); }
   std::array<bool, 9> has_{};
 };
-
-/// The height of a pixel. One without height beside some with heights is their mean, so that readings at the
-/// rim of the ground are the ground's; others are 0.
-double filled(const std::vector<double>& heights, int column, int row) {
-  const auto height = [&](int c, int r) {
-    return heights[static_cast<std::size_t>(r + 2 * kAround) * kHeights +
-                   static_cast<std::size_t>(c + 2 * kAround)];
-  };
-  if (!std::isnan(height(column, row))) return height(column, row);
-  double sum = 0;
-  int count = 0;
-  for (int r = row - 1; r <= row + 1; ++r) {
-    for (int c = column - 1; c <= column + 1; ++c) {
-      if (std::isnan(height(c, r))) continue;
-      sum += height(c, r);
-      ++count;
-    }
-  }
-  return count == 0 ? 0 : sum / count;
-}
 
 }  // namespace
 
@@ -108,8 +152,8 @@ double DemEncoding::metres_of(std::uint32_t pixel) const {
 
 Result<RasterDemTile> make_raster_dem(const RasterDemSource& source, PackSampler& sampler,
                                       const MercatorTile& tile, int level, int measured_level) {
-  const auto heights = heights_around(source, sampler, tile, level);
-  if (!heights) return heights.error();
+  PixelHeights heights(source, sampler, tile, level);
+  if (auto status = heights.read(); !status) return status.error();
   RasterDemTile made;
   made.pixels.reserve(std::size_t{kDemTilePixels} * kDemTilePixels);
   DecodedGrid read{kRead, kRead, {}};
@@ -117,8 +161,9 @@ Result<RasterDemTile> make_raster_dem(const RasterDemSource& source, PackSampler
   for (int r = -kAround; r < kDemTilePixels + kAround; ++r) {
     for (int c = -kAround; c < kDemTilePixels + kAround; ++c) {
       const GridPlace from = around.read(c, r);
-      const std::uint32_t pixel = source.encoding.pixel_of(
-          filled(*heights, static_cast<int>(from.column), static_cast<int>(from.row)));
+      const auto height = heights.filled(static_cast<int>(from.column), static_cast<int>(from.row));
+      if (!height) return height.error();
+      const std::uint32_t pixel = source.encoding.pixel_of(*height);
       read.metres.push_back(source.encoding.metres_of(pixel));
       if (c >= 0 && c < kDemTilePixels && r >= 0 && r < kDemTilePixels) made.pixels.push_back(pixel);
     }

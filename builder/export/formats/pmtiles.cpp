@@ -144,7 +144,7 @@ std::string RasterDemExport::note() const {
   return fmt::format(
       "MapLibre source: \"type\": \"raster-dem\", \"tileSize\": {}, \"encoding\": \"{}\"{}. The largest "
       "error is that of its "
-      "bilinear reading. Pixels without height are the mean of those around them, or 0 m.",
+      "bilinear reading. Pixels without height have that of the rim of the ground beside them, or 0 m.",
       kDemTilePixels, encoding_.name,
       is_custom()
           ? fmt::format(", \"redFactor\": {}, \"greenFactor\": {}, \"blueFactor\": {}, \"baseShift\": {}",

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr GIntBig kCacheBytes = 16 << 20;  // as that of rasters
+constexpr GIntBig kVectorCacheBytes = 16 << 20;  // as that of rasters
 constexpr double kLeastEarth_m = 6.3e6, kMostEarth_m = 6.4e6;
 
 /// Ends a handle of GDAL's C interface, all of which may be pointers to void.
@@ -35,21 +35,21 @@ struct EndHandle {
 };
 using Crs =
     std::unique_ptr<std::remove_pointer_t<OGRSpatialReferenceH>, EndHandle<OSRDestroySpatialReference>>;
-using Transform = std::unique_ptr<std::remove_pointer_t<OGRCoordinateTransformationH>,
+using ToDegrees = std::unique_ptr<std::remove_pointer_t<OGRCoordinateTransformationH>,
                                   EndHandle<OCTDestroyCoordinateTransformation>>;
 using Feature = std::unique_ptr<std::remove_pointer_t<OGRFeatureH>, EndHandle<OGR_F_Destroy>>;
 using Geometry = std::unique_ptr<std::remove_pointer_t<OGRGeometryH>, EndHandle<OGR_G_DestroyGeometry>>;
 
 Dataset open_vectors(const fs::path& file) {
-  register_gdal(kCacheBytes);
+  register_gdal(kVectorCacheBytes);
   return Dataset(GDALOpenEx(file.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr,
                             nullptr, nullptr));
 }
 
 /// From the layer's CRS to degrees: WGS84's on the Earth, its own on another body. Null where it has none.
-Result<Transform> transform_of(OGRLayerH layer) {
+Result<ToDegrees> transform_of(OGRLayerH layer) {
   OGRSpatialReferenceH crs = OGR_L_GetSpatialRef(layer);
-  if (crs == nullptr) return Transform();
+  if (crs == nullptr) return ToDegrees();
   const Crs from(OSRClone(crs));
   OGRErr error = OGRERR_NONE;
   const double radius = OSRGetSemiMajor(from.get(), &error);
@@ -58,7 +58,7 @@ Result<Transform> transform_of(OGRLayerH layer) {
   if (to == nullptr || (is_earth && OSRImportFromEPSG(to.get(), 4326) != OGRERR_NONE))
     return failed("CRS: GDAL: " + Quiet::reason());
   for (const auto& each : {from.get(), to.get()}) OSRSetAxisMappingStrategy(each, OAMS_TRADITIONAL_GIS_ORDER);
-  Transform transform(OCTNewCoordinateTransformation(from.get(), to.get()));
+  ToDegrees transform(OCTNewCoordinateTransformation(from.get(), to.get()));
   if (transform == nullptr)
     return bad_data("CRS: expected one that becomes degrees, found: " + Quiet::reason());
   return transform;
@@ -81,7 +81,7 @@ Json properties_of(OGRFeatureH feature) {
   return properties;
 }
 
-Result<std::string> geojson_of(OGRFeatureH feature, const Transform& transform) {
+Result<std::string> geojson_of(OGRFeatureH feature, const ToDegrees& transform) {
   OGRGeometryH own = OGR_F_GetGeometryRef(feature);
   if (own == nullptr) return bad_data("geometry: expected one, found none");
   const Geometry geometry(OGR_G_GetLinearGeometry(own, 0, nullptr));
