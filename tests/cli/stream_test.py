@@ -32,6 +32,14 @@ HOUR = 9
 SIZE = [320, 180]
 
 
+def text_of(file):
+    """Of a process or a thread, which may have ended since it was listed: nothing then."""
+    try:
+        return file.read_text()
+    except OSError:
+        return ""
+
+
 class Server:
     def __init__(self, *arguments):
         self.process = subprocess.Popen([CAIRN, "serve", *map(str, arguments), "--port", "0"], stdout=subprocess.PIPE,
@@ -53,8 +61,8 @@ class Server:
     def drawing(self):
         """The processes that draw for this server's viewers."""
         children = pathlib.Path(f"/proc/{self.process.pid}/task").glob("*/children")
-        pids = [int(pid) for file in children for pid in file.read_text().split()]
-        return [pid for pid in pids if pathlib.Path(f"/proc/{pid}/comm").read_text().startswith("cairn-stream")]
+        pids = [int(pid) for file in children for pid in text_of(file).split()]
+        return [pid for pid in pids if text_of(pathlib.Path(f"/proc/{pid}/comm")).startswith("cairn-stream")]
 
     def stop(self):
         self.process.send_signal(signal.SIGTERM)
