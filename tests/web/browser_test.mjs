@@ -319,10 +319,12 @@ test("mountains stand where the project's own renderer draws them", { skip: !dra
     camera.setView({ destination: Cesium.Cartesian3.fromDegrees(lon, lat, metres), orientation: { heading: h, pitch: p, roll: 0 } });
     // Tiles that a frame finds missing are asked for after it, so that one frame without any is not enough.
     for (let loaded = 0; loaded < 10; ) {
+      scene.requestRender();
       view.widget.render();
       await new Promise((done) => setTimeout(done, 100));
       loaded = scene.globe.tilesLoaded ? loaded + 1 : 0;
     }
+    scene.requestRender(); // without it nothing is drawn, and the canvas keeps no picture
     view.widget.render();
     return { drawn: canvas.toDataURL("image/png"), fovDegrees: Cesium.Math.toDegrees(camera.frustum.fovy) };
   }, camera);
@@ -330,6 +332,15 @@ test("mountains stand where the project's own renderer draws them", { skip: !dra
   execFileSync(cairn, ["view", mountains, `--camera=${camera.join(",")}`, "--size", `${width}x${height}`, "--fov", String(fovDegrees), "--hole-colour", "magenta", "--samples", "1", "--tolerance", "0.25", "--no-fog", "--screenshot", shot]);
   const expected = `data:image/png;base64,${readFileSync(shot).toString("base64")}`;
   const [ours, alone] = await Promise.all([drawn, expected].map((png) => page.evaluate(skylineOf, png, magenta)));
+  const saved = await page.evaluate(() => {
+    let picture;
+    HTMLAnchorElement.prototype.click = function () {
+      picture = this.href;
+    };
+    document.getElementById("picture").click();
+    return picture;
+  });
+  assert.deepEqual(await page.evaluate(skylineOf, saved, magenta), ours, "Save picture saves what is shown");
   const horizon = horizonRows(width, height, fovDegrees, camera[2], camera[4]);
   const theirs = alone.map((row, x) => Math.min(row, horizon[x]));
   if (pictures) {

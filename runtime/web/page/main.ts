@@ -243,6 +243,8 @@ element("link").addEventListener("click", () => {
 element("picture").addEventListener("click", () => {
   const canvas = stream?.canvas ?? view?.widget.canvas;
   if (!canvas) return;
+  // A canvas keeps its picture no longer than the frame, and a frame that nobody asks for is not drawn.
+  view?.widget.scene.requestRender();
   view?.widget.render();
   const save = document.createElement("a");
   save.download = "cairn.png";
