@@ -43,6 +43,7 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   StreamOptions options;
   options.view.size = "640x360";
+  options.view.samples = 1;  // a software driver draws four samples in four times the time
   CLI::App app("Draws a pack for one viewer of cairn serve.", "cairn-stream");
   app.add_option("pack", options.view.pack, "the pack")->required();
   app.add_option("socket", options.socket, "the descriptor of the viewer's connection")->required();

@@ -17,6 +17,8 @@ constexpr milliseconds kRest{500};      // between frames where nothing moves
 constexpr double kLongestStep_s = 0.1;  // that a stall may move the eye
 constexpr int kFramesToRest = 3;
 constexpr int kQuality = 80;
+constexpr double kTolerance_px = 1;        // of the picture at rest
+constexpr double kMovingTolerance_px = 3;  // fewer triangles, so more frames
 
 double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -110,6 +112,9 @@ Status StreamSession::draw_frame(StreamSocket& socket) {
   const double since_last_s = std::chrono::duration<double>(begin - last_frame_).count();
   const double dt_s = std::min(since_last_s, kLongestStep_s);
   last_frame_ = begin;
+  const bool moves = input_.ahead != 0 || input_.aside != 0 || input_.climb != 0 || input_.turn_deg != 0 ||
+                     input_.tilt_deg != 0 || input_.zoom_steps != 0;
+  look_.tolerance_px = moves ? kMovingTolerance_px : kTolerance_px;
   // What the ground is, is known from the first frame on.
   if (scene_.list()) view_ = controls_.update(view_, input_, dt_s, scene_.ground_m(view_.eye));
   input_.turn_deg = input_.tilt_deg = input_.zoom_steps = 0;

@@ -13,10 +13,10 @@
 
 namespace cairn::stream {
 
-/// Draws what one viewer sees, as its messages steer. At most two frames are on their way that the viewer has
-/// not shown: where the network is slow there are fewer frames, each of the newest state, and none is late. A
-/// frame is sent only where its picture, the input that it answers or its completeness is new. OpenGL's
-/// context has to be current.
+/// Draws what one viewer sees, as its messages steer: within a pixel while the eye rests, within three while
+/// it moves. At most two frames are on their way that the viewer has not shown: where the network is slow
+/// there are fewer frames, each of the newest state, and none is late. A frame is sent only where its
+/// picture, the input that it answers or its completeness is new. OpenGL's context has to be current.
 class StreamSession {
  public:
   StreamSession(const viewer::Options& options, viewer::Scene scene, const viewer::FrameLook& look,
