@@ -17,11 +17,15 @@ constexpr milliseconds kRest{500};      // between frames where nothing moves
 constexpr double kLongestStep_s = 0.1;  // that a stall may move the eye
 constexpr int kFramesToRest = 3;
 constexpr int kQuality = 80;
-constexpr double kTolerance_px = 1;        // of the picture at rest
 constexpr double kMovingTolerance_px = 3;  // fewer triangles, so more frames
 
 double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+bool moves(const viewer::ControlInput& input) {
+  return input.ahead != 0 || input.aside != 0 || input.climb != 0 || input.turn_deg != 0 ||
+         input.tilt_deg != 0 || input.zoom_steps != 0;
 }
 
 }  // namespace
@@ -41,8 +45,8 @@ bool StreamSession::may_send() const {
 
 milliseconds StreamSession::patience() const {
   if (!may_send()) return kRest;
-  const bool rests = equal_frames_ >= kFramesToRest && scene_.list() && scene_.list()->is_complete &&
-                     input_.ahead == 0 && input_.aside == 0 && input_.climb == 0;
+  const bool rests =
+      equal_frames_ >= kFramesToRest && scene_.list() && scene_.list()->is_complete && !moves(input_);
   if (rests) return kRest;
   const auto passed = std::chrono::duration_cast<milliseconds>(Clock::now() - last_frame_);
   return std::clamp(kFrameTime - passed, milliseconds(0), kFrameTime);
@@ -112,15 +116,14 @@ Status StreamSession::draw_frame(StreamSocket& socket) {
   const double since_last_s = std::chrono::duration<double>(begin - last_frame_).count();
   const double dt_s = std::min(since_last_s, kLongestStep_s);
   last_frame_ = begin;
-  const bool moves = input_.ahead != 0 || input_.aside != 0 || input_.climb != 0 || input_.turn_deg != 0 ||
-                     input_.tilt_deg != 0 || input_.zoom_steps != 0;
-  look_.tolerance_px = moves ? kMovingTolerance_px : kTolerance_px;
+  viewer::FrameLook look = look_;
+  if (moves(input_)) look.tolerance_px = std::max(look.tolerance_px, kMovingTolerance_px);
   // What the ground is, is known from the first frame on.
   if (scene_.list()) view_ = controls_.update(view_, input_, dt_s, scene_.ground_m(view_.eye));
   input_.turn_deg = input_.tilt_deg = input_.zoom_steps = 0;
-  look_.to_sun = viewer::sun_direction(view_.eye, hour_);
-  look_.frame_s = since_last_s;
-  scene_.draw(view_, dt_s, look_, target_->framebuffer());
+  look.to_sun = viewer::sun_direction(view_.eye, hour_);
+  look.frame_s = since_last_s;
+  scene_.draw(view_, dt_s, look, target_->framebuffer());
   for (const Error& error : scene_.take_errors()) std::fprintf(stderr, "%s\n", error.message.c_str());
   gl::Picture picture = target_->read();
   FrameNote note{sent_ + 1,
