@@ -17,7 +17,6 @@
 // no triangle between rows that have collapsed and rows that have not turns over.
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -29,9 +28,6 @@
 #include "runtime/lod/mesh/prepared_tiles.h"
 #include "runtime/lod/mesh/screen.h"
 #include "runtime/lod/mesh/square_volumes.h"
-#include "runtime/lod/mesh/tile_culling.h"
-#include "runtime/view/cpu_clock.h"
-#include "runtime/view/view_frustum.h"
 
 namespace cairn {
 namespace {
@@ -79,41 +75,25 @@ class Ranges {
 /// Chooses the squares of one tile.
 class NodeSelection {
  public:
-  NodeSelection(const LodScene& scene, std::size_t number, const SquareVolumes& volumes, const Ranges& ranges,
-                const ViewFrustum* frustum, std::vector<GridSquare>& out)
-      : window_(scene, scene.tiles[number]),
-        number_(number),
-        volumes_(volumes),
-        ranges_(ranges),
-        frustum_(frustum),
-        out_(out) {}
+  NodeSelection(TileSquares& tile, const Ranges& ranges) : tile_(tile), ranges_(ranges) {}
 
-  void run() { visit(std::bit_width(static_cast<unsigned>(window_.cells())) - 1, 0, 0); }
+  void run() { visit(tile_.level(), 0, 0); }
 
  private:
-  /// Returns null for a square that is too small for a volume of its own.
-  const BoundingVolume* volume_of(int k, int x, int y) const {
-    if (k < volumes_.least()) return nullptr;
-    return &volumes_.at(k, x + (window_.column() >> k), y + (window_.row() >> k)).volume;
-  }
-
   void draw(int k, int x, int y, int step_level) {
-    const BoundingVolume* volume = volume_of(k, x, y);
-    if (frustum_ && volume && !frustum_->sees(*volume)) return;
-    out_.push_back({number_, x << k, y << k, 1 << k, 1 << step_level});
+    if (tile_.is_seen(k, x, y)) tile_.take(k, x, y, step_level);
   }
 
   /// A node of 2^k cells.
   void visit(int k, int x, int y) {
     const int step = std::max(0, k - kNodeLevel);
     if (step == 0) return draw(k, x, y, 0);
-    const BoundingVolume* volume = volume_of(k, x, y);
-    if (frustum_ && !frustum_->sees(*volume)) return;
-    const double finer_m = ranges_.range_m(window_.spacing() << (step - 1));
-    if (volume->distance_m(ranges_.eye()) >= finer_m) return draw(k, x, y, step);
+    if (!tile_.is_seen(k, x, y)) return;
+    const double finer_m = ranges_.range_m(tile_.window().spacing() << (step - 1));
+    if (tile_.volume_of(k, x, y)->distance_m(ranges_.eye()) >= finer_m) return draw(k, x, y, step);
     for (int q = 0; q < 4; ++q) {
       const int qx = 2 * x + (q & 1), qy = 2 * y + (q >> 1);
-      if (volume_of(k - 1, qx, qy)->distance_m(ranges_.eye()) < finer_m) {
+      if (tile_.volume_of(k - 1, qx, qy)->distance_m(ranges_.eye()) < finer_m) {
         visit(k - 1, qx, qy);
       } else {
         draw(k - 1, qx, qy, step);
@@ -121,12 +101,8 @@ class NodeSelection {
     }
   }
 
-  TileWindow window_;
-  std::size_t number_;
-  const SquareVolumes& volumes_;
+  TileSquares& tile_;
   const Ranges& ranges_;
-  const ViewFrustum* frustum_;
-  std::vector<GridSquare>& out_;
 };
 
 /// Returns the height of the bilinear surface at a point between the samples.
@@ -149,30 +125,16 @@ class Cdlod : public LodMethod {
   std::uint64_t prepared_bytes() const override { return nodes_.bytes(); }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
-    const double start = thread_cpu_s();
     const Ranges ranges(scene, view);
-    const ViewFrustum frustum(view.view, Occluder(scene.lowest_m, scene.ellipsoid));
-    std::vector<GridSquare> squares;
-    for (const std::size_t i : tiles_in_view(scene, view)) {
-      NodeSelection(scene, i, nodes_.of(scene.tiles[i]).volumes, ranges, view.cull ? &frustum : nullptr,
-                    squares)
-          .run();
-    }
-    const double selected = thread_cpu_s();
-    LodMesh mesh;
     std::size_t tile = scene.tiles.size();
     const GridPositions* positions = nullptr;
-    append_squares(
-        scene, squares,
+    return build_of_squares(
+        scene, view, [&](const LodTile& t) -> const SquareVolumes& { return nodes_.of(t).volumes; },
+        [&](TileSquares& squares) { NodeSelection(squares, ranges).run(); },
         [&](const TileWindow& window, const GridSquare& square, int i, int j) {
           if (square.tile != tile) positions = &nodes_.of(scene.tiles[tile = square.tile]).positions;
           return morphed(window, square, i, j, *positions, ranges);
-        },
-        mesh);
-    mesh.count(IndexForm::list, {3 * mesh.triangle_count(), squares.size()});
-    mesh.selection_s = selected - start;
-    mesh.building_s = thread_cpu_s() - selected;
-    return mesh;
+        });
   }
 
  private:

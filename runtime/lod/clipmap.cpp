@@ -31,9 +31,6 @@
 #include "runtime/lod/mesh/grid_squares.h"
 #include "runtime/lod/mesh/prepared_tiles.h"
 #include "runtime/lod/mesh/square_volumes.h"
-#include "runtime/lod/mesh/tile_culling.h"
-#include "runtime/view/cpu_clock.h"
-#include "runtime/view/view_frustum.h"
 
 namespace cairn {
 namespace {
@@ -125,38 +122,23 @@ class Rings {
 /// Chooses the squares of one tile.
 class RingSquares {
  public:
-  RingSquares(const LodScene& scene, std::size_t number, const SquareVolumes& volumes, const Rings& rings,
-              const ViewFrustum* frustum, std::vector<GridSquare>& out)
-      : window_(scene, scene.tiles[number]),
-        number_(number),
-        volumes_(volumes),
-        rings_(rings),
-        frustum_(frustum),
-        out_(out) {}
+  RingSquares(TileSquares& tile, const Rings& rings) : tile_(tile), rings_(rings) {}
 
-  void run() { visit(std::bit_width(static_cast<unsigned>(window_.cells())) - 1, 0, 0); }
+  void run() { visit(tile_.level(), 0, 0); }
 
  private:
   void visit(int k, int x, int y) {
-    if (frustum_ && k >= volumes_.least() &&
-        !frustum_->sees(volumes_.at(k, x + (window_.column() >> k), y + (window_.row() >> k)).volume))
-      return;
-    const int spacing = log2_of(window_.spacing());
-    const int ring = rings_.ring_of(window_.point(x << k, y << k), window_.spacing() << k, spacing);
+    if (!tile_.is_seen(k, x, y)) return;
+    const TileWindow& window = tile_.window();
+    const int spacing = log2_of(window.spacing());
+    const int ring = rings_.ring_of(window.point(x << k, y << k), window.spacing() << k, spacing);
     const int step = std::clamp(ring - spacing, 0, k);
-    if (k == 0 || (ring >= 0 && 1 << (k - step) <= kMostAcross)) {
-      out_.push_back({number_, x << k, y << k, 1 << k, 1 << step});
-      return;
-    }
+    if (k == 0 || (ring >= 0 && 1 << (k - step) <= kMostAcross)) return tile_.take(k, x, y, step);
     for (int q = 0; q < 4; ++q) visit(k - 1, 2 * x + (q & 1), 2 * y + (q >> 1));
   }
 
-  TileWindow window_;
-  std::size_t number_;
-  const SquareVolumes& volumes_;
+  TileSquares& tile_;
   const Rings& rings_;
-  const ViewFrustum* frustum_;
-  std::vector<GridSquare>& out_;
 };
 
 /// Returns the height of the scene at a place, 0 where it has none.
@@ -197,27 +179,13 @@ class Clipmap : public LodMethod {
   std::uint64_t prepared_bytes() const override { return volumes_.bytes(); }
 
   LodMesh build(const LodScene& scene, const LodView& view) override {
-    const double start = thread_cpu_s();
     const Rings rings(scene, view, ground_m(scene, view.view.eye));
-    const ViewFrustum frustum(view.view, Occluder(scene.lowest_m, scene.ellipsoid));
-    std::vector<GridSquare> squares;
-    for (const std::size_t i : tiles_in_view(scene, view)) {
-      RingSquares(scene, i, volumes_.of(scene.tiles[i]).volumes, rings, view.cull ? &frustum : nullptr,
-                  squares)
-          .run();
-    }
-    const double selected = thread_cpu_s();
-    LodMesh mesh;
-    append_squares(
-        scene, squares,
+    return build_of_squares(
+        scene, view, [&](const LodTile& t) -> const SquareVolumes& { return volumes_.of(t).volumes; },
+        [&](TileSquares& squares) { RingSquares(squares, rings).run(); },
         [&](const TileWindow& window, const GridSquare& square, int i, int j) {
           return blended(window, square, i, j, rings);
-        },
-        mesh);
-    mesh.count(IndexForm::list, {3 * mesh.triangle_count(), squares.size()});
-    mesh.selection_s = selected - start;
-    mesh.building_s = thread_cpu_s() - selected;
-    return mesh;
+        });
   }
 
  private:

@@ -44,8 +44,8 @@ void append(const LodTileMesh& square, LodMesh& mesh) {
 
 }  // namespace
 
-std::size_t join_squares(const LodScene& scene, std::span<const GridSquare> squares,
-                         std::vector<LodTileMesh> meshes, LodMesh& mesh) {
+void join_squares(const LodScene& scene, std::span<const GridSquare> squares, std::vector<LodTileMesh> meshes,
+                  LodMesh& mesh) {
   take_finest_heights(scene, meshes);
   std::vector<MeshArea> areas;
   areas.reserve(squares.size());
@@ -53,9 +53,8 @@ std::size_t join_squares(const LodScene& scene, std::span<const GridSquare> squa
     const TileWindow window(scene, scene.tiles[square.tile]);
     areas.push_back({window.point(square.column, square.row), square.cells * window.spacing()});
   }
-  const std::size_t added = split_at_borders(areas, meshes);
+  split_at_borders(areas, meshes);
   for (const LodTileMesh& square : meshes) append(square, mesh);
-  return added;
 }
 
 }  // namespace cairn

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -7,7 +8,11 @@
 
 #include "runtime/lod/mesh/lod_scene.h"
 #include "runtime/lod/mesh/remove_t_junctions.h"
+#include "runtime/lod/mesh/square_volumes.h"
+#include "runtime/lod/mesh/tile_culling.h"
 #include "runtime/lod/mesh/tile_window.h"
+#include "runtime/view/cpu_clock.h"
+#include "runtime/view/view_frustum.h"
 
 namespace cairn {
 
@@ -24,19 +29,18 @@ struct GridSquare {
 
 /// Joins the meshes of squares, each made by itself, to one of each tile. Heights on the tiles' borders
 /// become those of the finest source, and triangles are split where a square beside theirs has more vertices.
-/// Returns the number of triangles that the splits added.
-std::size_t join_squares(const LodScene& scene, std::span<const GridSquare> squares,
-                         std::vector<LodTileMesh> meshes, LodMesh& mesh);
+void join_squares(const LodScene& scene, std::span<const GridSquare> squares, std::vector<LodTileMesh> meshes,
+                  LodMesh& mesh);
 
-/// Appends the grids of squares, watertight, and returns what join_squares() does.
+/// Appends the grids of squares, watertight.
 ///
 /// `vertex_at(window, square, i, j)` returns the vertex i columns and j rows of the grid from the south-west
 /// corner. It may be moved along the grid, as far as the next vertex, so that triangles collapse; those are
 /// left out. Corners of a square must stay. Diagonals run from south-west to north-east. REQUIRES: squares of
 /// one tile are in sequence.
 template <class VertexAt>
-std::size_t append_squares(const LodScene& scene, std::span<const GridSquare> squares,
-                           const VertexAt& vertex_at, LodMesh& mesh) {
+void append_squares(const LodScene& scene, std::span<const GridSquare> squares, const VertexAt& vertex_at,
+                    LodMesh& mesh) {
   std::vector<LodTileMesh> meshes;
   meshes.reserve(squares.size());
   for (const GridSquare& square : squares) {
@@ -62,7 +66,68 @@ std::size_t append_squares(const LodScene& scene, std::span<const GridSquare> sq
       }
     }
   }
-  return join_squares(scene, squares, std::move(meshes), mesh);
+  join_squares(scene, squares, std::move(meshes), mesh);
+}
+
+/// The squares of one tile's window that a view takes, as they are chosen from the whole window downwards. A
+/// square of level k has 2^k cells a side; (x, y) counts squares of its level from the window's south-west
+/// corner.
+class TileSquares {
+ public:
+  /// Without a frustum, all squares are seen. Adds to `out`.
+  TileSquares(const LodScene& scene, std::size_t number, const SquareVolumes& volumes,
+              const ViewFrustum* frustum, std::vector<GridSquare>& out)
+      : window_(scene, scene.tiles[number]),
+        number_(number),
+        volumes_(volumes),
+        frustum_(frustum),
+        out_(out) {}
+
+  const TileWindow& window() const { return window_; }
+  /// Returns the level of the whole window.
+  int level() const { return std::bit_width(static_cast<unsigned>(window_.cells())) - 1; }
+  /// Returns null for a square that is too small for a volume of its own.
+  const BoundingVolume* volume_of(int k, int x, int y) const {
+    if (k < volumes_.least()) return nullptr;
+    return &volumes_.at(k, x + (window_.column() >> k), y + (window_.row() >> k)).volume;
+  }
+  /// Returns true, too, for a square without a volume.
+  bool is_seen(int k, int x, int y) const {
+    const BoundingVolume* volume = frustum_ ? volume_of(k, x, y) : nullptr;
+    return volume == nullptr || frustum_->sees(*volume);
+  }
+  /// Takes a square with 2^step_level samples from vertex to vertex.
+  void take(int k, int x, int y, int step_level) {
+    out_.push_back({number_, x << k, y << k, 1 << k, 1 << step_level});
+  }
+
+ private:
+  TileWindow window_;
+  std::size_t number_;
+  const SquareVolumes& volumes_;
+  const ViewFrustum* frustum_;
+  std::vector<GridSquare>& out_;
+};
+
+/// Builds the mesh of a view from squares, with its counts and times: volumes_of(tile) are a tile's
+/// volumes, choose(TileSquares&) takes its squares, vertex_at is append_squares()' own.
+template <class VolumesOf, class Choose, class VertexAt>
+LodMesh build_of_squares(const LodScene& scene, const LodView& view, const VolumesOf& volumes_of,
+                         const Choose& choose, const VertexAt& vertex_at) {
+  const double start = thread_cpu_s();
+  const ViewFrustum frustum(view.view, Occluder(scene.lowest_m, scene.ellipsoid));
+  std::vector<GridSquare> squares;
+  for (const std::size_t i : tiles_in_view(scene, view)) {
+    TileSquares tile(scene, i, volumes_of(scene.tiles[i]), view.cull ? &frustum : nullptr, squares);
+    choose(tile);
+  }
+  const double selected = thread_cpu_s();
+  LodMesh mesh;
+  append_squares(scene, squares, vertex_at, mesh);
+  mesh.count(IndexForm::list, {3 * mesh.triangle_count(), squares.size()});
+  mesh.selection_s = selected - start;
+  mesh.building_s = thread_cpu_s() - selected;
+  return mesh;
 }
 
 }  // namespace cairn
