@@ -61,6 +61,22 @@ std::shared_ptr<const HeightTile> LodScenes::heights(const TileId& id) {
   return kept = std::make_shared<const HeightTile>(std::move(made));
 }
 
+std::optional<MeshPlace> find_on(const LodMesh& mesh, const LatticePoint& place) {
+  const auto cross = [](const LatticePoint& o, const LatticePoint& a, const LatticePoint& b) {
+    return static_cast<double>(a.x - o.x) * static_cast<double>(b.y - o.y) -
+           static_cast<double>(b.x - o.x) * static_cast<double>(a.y - o.y);
+  };
+  for (const LodTileMesh& tile : mesh.tiles) {
+    for (const LodTriangle& t : tile.triangles) {
+      const LodVertex &a = tile.vertices[t[0]], &b = tile.vertices[t[1]], &c = tile.vertices[t[2]];
+      const double u = cross(place, b.point, c.point), v = cross(place, c.point, a.point),
+                   w = cross(place, a.point, b.point), sum = u + v + w;
+      if (u >= 0 && v >= 0 && w >= 0) return MeshPlace{{a, b, c}, {u / sum, v / sum, w / sum}};
+    }
+  }
+  return std::nullopt;
+}
+
 ViewState random_view(LonLat near, std::mt19937& random) {
   const auto between = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <random>
 
 #include "runtime/lod/lod_method.h"
@@ -30,6 +32,15 @@ class LodScenes {
   bool shifted_fillers_;
   std::map<TileId, std::shared_ptr<const HeightTile>> heights_;
 };
+
+/// A place of a mesh: the corners of a triangle on which it lies, and their shares, whose sum is 1.
+struct MeshPlace {
+  std::array<LodVertex, 3> corners;
+  std::array<double, 3> shares;
+};
+
+/// Finds a place by trying every triangle; nullopt where none has it.
+std::optional<MeshPlace> find_on(const LodMesh& mesh, const LatticePoint& place);
 
 /// A view of the place from 10 m to 1000 km above it, in any direction.
 ViewState random_view(LonLat near, std::mt19937& random);

@@ -164,16 +164,10 @@ void remove_t_junctions(const LodScene& scene, std::span<const char> lacking, Lo
   }
 }
 
-std::size_t split_at_borders(std::span<const MeshArea> squares, std::span<LodTileMesh> meshes) {
+void split_at_borders(std::span<const MeshArea> squares, std::span<LodTileMesh> meshes) {
   const std::vector<Area> areas(squares.begin(), squares.end());
   const BorderVertices borders(areas, meshes);
-  std::size_t added = 0;
-  for (std::size_t i = 0; i < areas.size(); ++i) {
-    const std::size_t before = meshes[i].triangles.size();
-    Splitter(areas[i], borders, meshes[i]).split_all();
-    added += meshes[i].triangles.size() - before;
-  }
-  return added;
+  for (std::size_t i = 0; i < areas.size(); ++i) Splitter(areas[i], borders, meshes[i]).split_all();
 }
 
 }  // namespace cairn

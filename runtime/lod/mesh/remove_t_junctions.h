@@ -33,8 +33,7 @@ struct MeshArea {
 };
 
 /// Splits triangles as remove_t_junctions() does, for any squares, each with one mesh. Heights are not
-/// unified: vertices at one place must have one height. Returns the number of triangles that the splits
-/// added.
-std::size_t split_at_borders(std::span<const MeshArea> areas, std::span<LodTileMesh> meshes);
+/// unified: vertices at one place must have one height.
+void split_at_borders(std::span<const MeshArea> areas, std::span<LodTileMesh> meshes);
 
 }  // namespace cairn

@@ -50,22 +50,12 @@ ViewState view_at(LonLat eye, double height_m) {
   return view;
 }
 
-/// The mesh's height at a place, by trying every triangle.
 double height_on(const LodMesh& mesh, const LatticePoint& p) {
-  const auto cross = [](const LatticePoint& o, const LatticePoint& a, const LatticePoint& b) {
-    return static_cast<double>(a.x - o.x) * static_cast<double>(b.y - o.y) -
-           static_cast<double>(b.x - o.x) * static_cast<double>(a.y - o.y);
-  };
-  for (const LodTileMesh& tile : mesh.tiles) {
-    for (const LodTriangle& t : tile.triangles) {
-      const LodVertex &a = tile.vertices[t[0]], &b = tile.vertices[t[1]], &c = tile.vertices[t[2]];
-      const double u = cross(p, b.point, c.point), v = cross(p, c.point, a.point),
-                   w = cross(p, a.point, b.point);
-      if (u >= 0 && v >= 0 && w >= 0) return (u * a.height_m + v * b.height_m + w * c.height_m) / (u + v + w);
-    }
-  }
-  FAIL("no triangle at the place");
-  return 0;
+  const auto found = find_on(mesh, p);
+  REQUIRE(found);
+  double height_m = 0;
+  for (std::size_t i = 0; i < 3; ++i) height_m += found->shares[i] * found->corners[i].height_m;
+  return height_m;
 }
 
 /// The largest change of height at fixed places from one frame to the next, on a way of 0.004° in so many

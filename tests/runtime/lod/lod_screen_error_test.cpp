@@ -6,9 +6,10 @@
 #include <glm/trigonometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "cairn/geodesy.h"
 #include "runtime/lab/lab_terrain.h"
 #include "runtime/lab/screen_error.h"
-#include "cairn/geodesy.h"
+#include "tests/support/lod_scene.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_pack.h"
 
@@ -67,25 +68,15 @@ glm::dvec2 pixel(const ViewState& view, const glm::dvec3& point) {
   return focal * std::tan(off_axis) * glm::dvec2(std::cos(around), std::sin(around));
 }
 
-/// The mesh's point at a place, by trying every triangle.
 std::optional<glm::dvec3> point_on(const LodMesh& mesh, const LatticePoint& p) {
-  const auto cross = [](const LatticePoint& o, const LatticePoint& a, const LatticePoint& b) {
-    return static_cast<double>(a.x - o.x) * static_cast<double>(b.y - o.y) -
-           static_cast<double>(b.x - o.x) * static_cast<double>(a.y - o.y);
-  };
-  for (const LodTileMesh& tile : mesh.tiles) {
-    for (const LodTriangle& t : tile.triangles) {
-      const LodVertex &a = tile.vertices[t[0]], &b = tile.vertices[t[1]], &c = tile.vertices[t[2]];
-      const double u = cross(p, b.point, c.point), v = cross(p, c.point, a.point),
-                   w = cross(p, a.point, b.point);
-      if (u < 0 || v < 0 || w < 0) continue;
-      const auto place = [](const LodVertex& x) {
-        return cairn::to_geocentric(place_of(x.point), x.height_m);
-      };
-      return (u * place(a) + v * place(b) + w * place(c)) / (u + v + w);
-    }
+  const auto found = find_on(mesh, p);
+  if (!found) return std::nullopt;
+  glm::dvec3 point(0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LodVertex& corner = found->corners[i];
+    point += found->shares[i] * cairn::to_geocentric(place_of(corner.point), corner.height_m);
   }
-  return std::nullopt;
+  return point;
 }
 
 glm::dvec3 true_point(const LatticePoint& p) {
